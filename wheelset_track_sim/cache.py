@@ -1,0 +1,112 @@
+"""Models on disk under a digest of everything that changes them.
+
+The folder is the user's cache folder (``XDG_CACHE_HOME`` or ``~/.cache``); ``WHEELSET_TRACK_SIM_CACHE`` names
+another. A file that cannot be read is reported and built again; a file is never half-written under its final name.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+import numpy as np
+import platformdirs
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+FORMAT = 1
+"""Version of the file layout; part of every digest."""
+
+log = logging.getLogger(__name__)
+
+
+class Storable(Protocol):
+    """A model that turns into named arrays and back."""
+
+    def to_arrays(self) -> dict[str, np.ndarray]:
+        """Arrays that make up the model, by name."""
+        ...
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, np.ndarray]) -> Self:
+        """Model from its arrays; raises KeyError or ValueError if they are not those of such a model."""
+        ...
+
+
+Model = TypeVar("Model", bound=Storable)
+
+
+def folder() -> Path:
+    """Folder of cached models."""
+    named = os.environ.get("WHEELSET_TRACK_SIM_CACHE")
+    return Path(named) if named else platformdirs.user_cache_path("wheelset_track_sim") / "models"
+
+
+def digest(inputs: Any, *sources: ModuleType) -> str:
+    """Digest of inputs (dataclasses, mappings, sequences, numbers, text) and of the modules that turn them into a model.
+
+    Floats count by their exact value. A module counts by its source, a package by all its Python files.
+    """
+    hashed = hashlib.blake2b(digest_size=16)
+    hashed.update(json.dumps([FORMAT, _plain(inputs)], sort_keys=True).encode())
+    for module in sources:
+        path = Path(str(module.__file__))
+        for source in sorted(path.parent.rglob("*.py")) if path.name == "__init__.py" else [path]:
+            hashed.update(source.name.encode())
+            hashed.update(source.read_bytes())
+    return hashed.hexdigest()
+
+
+def cached(kind: str, model: type[Model], key: str, build: Callable[[], Model]) -> Model:
+    """Model stored as ``kind-key.npz``; built and stored if it is missing, damaged or of another layout."""
+    path = folder() / f"{kind}-{key}.npz"
+    if path.exists():
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                return model.from_arrays(dict(stored))
+        except Exception as damage:  # noqa: BLE001  any damage whatever ends in a rebuild
+            log.warning("cached model %s cannot be read (%s): built again", path, damage)
+    built = build()
+    store(path, built)
+    return built
+
+
+def store(path: Path, model: Storable) -> None:
+    """Write a model under a temporary name, then rename: readers see all of it or nothing.
+
+    A folder that cannot be written is reported and left: the model is in memory and the run goes on.
+    """
+    temporary: Path | None = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
+            temporary = Path(file.name)
+            np.savez(file, **model.to_arrays())
+        temporary.replace(path)
+    except OSError as reason:
+        log.warning("model is not cached: %s cannot be written (%s)", path, reason)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        return [type(value).__name__, _plain(asdict(value))]
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value.hex()
+    return value

@@ -1,0 +1,1 @@
+"""Runs as MCAP bags: written and read without ROS."""

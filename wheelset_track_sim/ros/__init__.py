@@ -1,0 +1,1 @@
+"""The ROS 2 shell: node and message conversion. Nothing outside this package imports ROS."""

@@ -1,0 +1,1 @@
+"""The coupled step, its dynamics, and the blocks of samples that it yields."""

@@ -1,0 +1,1 @@
+"""Axle stresses: six components and principal stresses."""

@@ -1,0 +1,1 @@
+"""Wheelset and track: geometry, finite elements, modes, receptances and reduced models."""
