@@ -52,7 +52,7 @@ def folder() -> Path:
 
 
 def digest(inputs: Any, *sources: ModuleType) -> str:
-    """Digest of inputs (dataclasses, mappings, sequences, numbers, text) and of the modules that turn them into a model.
+    """Digest of inputs (dataclasses, mappings, sequences, numbers, text) and of the modules that use them.
 
     Floats count by their exact value. A module counts by its source, a package by all its Python files.
     """
@@ -90,7 +90,7 @@ def store(path: Path, model: Storable) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
             temporary = Path(file.name)
-            np.savez(file, **model.to_arrays())
+            np.savez(file, allow_pickle=False, **model.to_arrays())
         temporary.replace(path)
     except OSError as reason:
         log.warning("model is not cached: %s cannot be written (%s)", path, reason)

@@ -16,6 +16,7 @@ from typing import Any, TypeVar, cast
 import numba
 import platformdirs
 
+config: Any = numba.config
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -27,15 +28,15 @@ def cache_folder() -> Path:
     for source in sorted(package.rglob("*kernels.py")):
         digest.update(source.relative_to(package).as_posix().encode())
         digest.update(source.read_bytes())
-    base = Path(numba.config.CACHE_DIR or platformdirs.user_cache_path("wheelset_track_sim"))
+    base = Path(config.CACHE_DIR or platformdirs.user_cache_path("wheelset_track_sim"))
     return base / "kernels" / digest.hexdigest()
 
 
 def kernel(function: Function) -> Function:
     """Compile a function with numba: cached on disk, without the interpreter lock, NaN kept (no ``fastmath``)."""
-    previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(cache_folder())
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = str(cache_folder())
     try:
         return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
     finally:
-        numba.config.CACHE_DIR = previous
+        config.CACHE_DIR = previous

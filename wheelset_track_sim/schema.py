@@ -112,8 +112,8 @@ def unknown(what: str, where: str, name: str, known: Sequence[str]) -> str:
 
 
 @cache
-def _hints(owner: type) -> dict[str, Any]:
-    return {name: hint for name, hint in typing.get_type_hints(owner).items() if name in owner.__dataclass_fields__}  # type: ignore[attr-defined]
+def _hints(owner: Any) -> dict[str, Any]:
+    return {name: hint for name, hint in typing.get_type_hints(owner).items() if name in owner.__dataclass_fields__}
 
 
 def _value(hint: Any, data: Any, where: str) -> Any:
@@ -131,7 +131,9 @@ def _value(hint: Any, data: Any, where: str) -> Any:
         if arguments[1:] != (...,) and len(data) != len(arguments):
             raise InputError(f"{where} has {len(data)} entries: give {len(arguments)}")
         hints = [arguments[0]] * len(data) if arguments[1:] == (...,) else arguments
-        return tuple(_value(item, entry, f"{where}.{index}") for index, (item, entry) in enumerate(zip(hints, data)))
+        return tuple(
+            _value(item, entry, f"{where}.{index}") for index, (item, entry) in enumerate(zip(hints, data, strict=True))
+        )
     if dataclasses.is_dataclass(hint):
         return data if isinstance(data, hint) else read(hint, data, where)  # type: ignore[arg-type]
     if hint is float:
@@ -155,7 +157,7 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
             raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
     for argument in arguments:
-        if argument is type(data) or argument is float and type(data) is int:
+        if argument is type(data) or (argument is float and type(data) is int):
             return _value(argument, data, where)
     names = ", ".join(getattr(argument, "__name__", str(argument)) for argument in arguments)
     raise InputError(f"{where} = {data!r} is not of type {names}")
