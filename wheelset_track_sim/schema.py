@@ -79,8 +79,9 @@ def read(owner: type[T], data: Any, where: str) -> T:
 
     Raises InputError for a key that is unknown or missing, a wrong type, or a value out of its limits.
     """
+    hints = _hints(typing.cast(Any, owner))
     if not isinstance(data, Mapping):
-        raise InputError(f"{where} = {data!r} is not a mapping: give {', '.join(_hints(owner))}")
+        raise InputError(f"{where} = {data!r} is not a mapping: give {', '.join(hints)}")
     fields = {field.name: field for field in dataclasses.fields(owner) if field.init}  # type: ignore[arg-type]
     for key in data:
         if key not in fields:
@@ -93,7 +94,7 @@ def read(owner: type[T], data: Any, where: str) -> T:
             refusal = declared.refusal(path, data[name]) if declared else None
             if refusal:
                 raise InputError(refusal)
-            values[name] = _value(_hints(owner)[name], data[name], path)
+            values[name] = _value(hints[name], data[name], path)
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise InputError(f"{path} is missing: give it in {where or 'the file'}")
     try:
