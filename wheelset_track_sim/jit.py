@@ -34,9 +34,19 @@ def cache_folder() -> Path:
 
 def kernel(function: Function) -> Function:
     """Compile a function with numba: cached on disk, without the interpreter lock, NaN kept (no ``fastmath``)."""
+    return _compiled(function, fastmath=False)
+
+
+def summing_kernel(function: Function) -> Function:
+    """``kernel`` whose sums may be reordered and contracted, so that they run in vector registers; NaN is kept."""
+    return _compiled(function, fastmath={"reassoc", "contract", "nsz"})
+
+
+def _compiled(function: Function, fastmath: bool | set[str]) -> Function:
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())
     try:
-        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+        compiled = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fastmath)(function)
+        return cast(Function, compiled)
     finally:
         config.CACHE_DIR = previous

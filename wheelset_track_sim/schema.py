@@ -136,7 +136,9 @@ def _value(hint: Any, data: Any, where: str) -> Any:
             _value(item, entry, f"{where}.{index}") for index, (item, entry) in enumerate(zip(hints, data, strict=True))
         )
     if dataclasses.is_dataclass(hint):
-        return data if isinstance(data, hint) else read(hint, data, where)  # type: ignore[arg-type]
+        if isinstance(data, hint):  # type: ignore[arg-type]
+            return data
+        return _one_of((hint,), data, where) if hasattr(hint, "type") else read(hint, data, where)  # type: ignore[arg-type]
     if hint is float:
         if isinstance(data, bool) or not isinstance(data, (int, float)) or not math.isfinite(data):
             raise InputError(f"{where} = {data!r} is not a finite number")

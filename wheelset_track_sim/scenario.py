@@ -1,0 +1,143 @@
+"""What is simulated: one frozen, checked description, from a YAML file and ``key=value`` changes."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import yaml
+
+from .cache import digest
+from .errors import InputError
+from .irregularities import Irregularity
+from .schema import check, quantity, read
+from .shipped import load_yaml
+
+Wheel = Literal["wheel_1", "wheel_2"]
+WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
+
+
+@dataclass(frozen=True)
+class Output:
+    """What is kept of a run."""
+
+    stress_nodes: tuple[str, ...] = ("A1", "B1", "C1")
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A wheelset on a track at a speed, with its irregularities. SI units."""
+
+    name: str
+    speed: float = quantity("m/s", 5.0, 100.0, "the running speed")
+    axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together")
+    dynamics: Literal["causal"] = "causal"
+    wheelset: Any = "x40"
+    """Name of a shipped wheelset, path of a file, or a mapping."""
+    track: Any = "ballasted_60e1"
+    """Name of a shipped track, path of a file, or a mapping."""
+    irregularities: tuple[Irregularity, ...] = ()
+    output: Output = field(default_factory=Output)
+    reference_position: float = quantity(
+        "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
+    )
+    step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
+
+    def __post_init__(self) -> None:
+        check(self)
+        if not self.name:
+            raise InputError("name is empty: give the scenario a name")
+
+    @property
+    def wheel_load(self) -> float:
+        """Static load on each wheel, N."""
+        return self.axle_load / 2
+
+    @property
+    def step_period(self) -> float:
+        """Time of one step, s: ``dt = dx / v``."""
+        return self.step_length / self.speed
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Plain mapping that ``scenario_from`` turns into an equal scenario."""
+        plain = dataclasses.asdict(self)
+        plain["irregularities"] = [{"type": kind.type, **dataclasses.asdict(kind)} for kind in self.irregularities]
+        plain["output"] = {"stress_nodes": list(self.output.stress_nodes)}
+        return plain
+
+    def to_yaml(self) -> str:
+        """The scenario as a YAML file's text."""
+        return yaml.safe_dump(self.to_mapping(), sort_keys=False)
+
+    @property
+    def digest(self) -> str:
+        """Digest of all that the scenario says; names of models count as names."""
+        return digest(self.to_mapping())
+
+
+def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+    """Scenario from a shipped name or a file, with ``dotted.key=value`` changes (list indices count from 0).
+
+    Raises InputError in one line for anything that cannot be used.
+    """
+    data = load_yaml("scenarios", name_or_path)
+    if not isinstance(data, dict):
+        raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
+    for change in overrides:
+        override(data, change)
+    return scenario_from(data)
+
+
+def scenario_from(data: Mapping[str, Any]) -> Scenario:
+    """Scenario from a plain mapping; raises InputError."""
+    return read(Scenario, data, "")
+
+
+def override(data: dict[str, Any], change: str) -> None:
+    """Set one entry of nested mappings and lists by ``dotted.key=value``; the value is read as YAML."""
+    key, equals, text = change.partition("=")
+    if not equals or not key:
+        raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
+    try:
+        value = yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise InputError(f"--set {change!r}: the value is not YAML") from None
+    if isinstance(value, str):
+        value = _number(value)
+    *path, last = key.split(".")
+    place: Any = data
+    for depth, part in enumerate(path):
+        place = _entry(place, part, ".".join(path[: depth + 1]))
+    if isinstance(place, list):
+        place[_index(place, last, key)] = value
+    elif isinstance(place, dict):
+        place[last] = value
+    else:
+        raise InputError(f"--set {key}: {'.'.join(path)} has no entries")
+
+
+def _number(text: str) -> Any:
+    """YAML 1.1 takes ``1e-3`` for text; people mean a number."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _entry(place: Any, part: str, where: str) -> Any:
+    if isinstance(place, list):
+        return place[_index(place, part, where)]
+    if isinstance(place, dict):
+        return place.setdefault(part, {})
+    raise InputError(f"--set {where}: there is nothing to set there")
+
+
+def _index(place: list[Any], part: str, where: str) -> int:
+    if not part.isdigit() or int(part) >= len(place):
+        raise InputError(
+            f"--set {where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)"
+        )
+    return int(part)

@@ -1,0 +1,49 @@
+"""Files that come with the package: scenarios, wheelsets, tracks, studies; a name finds one, a path finds another."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from .errors import InputError
+from .schema import unknown
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
+
+def names(kind: str) -> list[str]:
+    """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``."""
+    return sorted(entry.name.removesuffix(".yaml") for entry in _folder(kind).iterdir() if entry.name.endswith(".yaml"))
+
+
+def load_yaml(kind: str, name_or_path: str | Path) -> Any:
+    """Content of a shipped YAML file (by name) or of the user's (by path).
+
+    Raises InputError if there is no such file, or if it is not YAML.
+    """
+    shipped = _folder(kind) / f"{name_or_path}.yaml"
+    path = Path(name_or_path)
+    source: Traversable | Path
+    if str(name_or_path) in names(kind):
+        source = shipped
+    elif path.suffix in {".yaml", ".yml"} or path.exists():
+        source = path
+    else:
+        raise InputError(unknown(kind.removesuffix("s"), repr(str(name_or_path)), str(name_or_path), names(kind)))
+    try:
+        return yaml.safe_load(source.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as reason:
+        raise InputError(
+            f"{source} cannot be read ({reason}): give a YAML file or one of {', '.join(names(kind))}"
+        ) from None
+    except yaml.YAMLError as reason:
+        line = " ".join(str(reason).split())
+        raise InputError(f"{source} is not YAML ({line}): correct it there") from None
+
+
+def _folder(kind: str) -> Traversable:
+    return files("wheelset_track_sim") / "data" / "config" / kind
