@@ -12,7 +12,7 @@ import yaml
 
 from .cache import digest
 from .errors import InputError
-from .irregularities import Irregularity
+from .irregularities import Breakout
 from .schema import check, quantity, read
 from .shipped import load_yaml
 
@@ -39,7 +39,7 @@ class Scenario:
     """Name of a shipped wheelset, path of a file, or a mapping."""
     track: Any = "ballasted_60e1"
     """Name of a shipped track, path of a file, or a mapping."""
-    irregularities: tuple[Irregularity, ...] = ()
+    irregularities: tuple[Breakout, ...] = ()
     output: Output = field(default_factory=Output)
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8

@@ -1,0 +1,104 @@
+"""The command line ``wheelset-track-sim``: exit status 0, 1 failed, 2 bad input (one line on standard error)."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from . import __version__, shipped
+from .errors import InputError, WheelsetTrackError
+
+PROGRAM = "wheelset-track-sim"
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}: see {self.prog} --help")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns the exit status."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        if given[:1] == ["node"]:  # its arguments are those of every ROS node
+            return _node(given[1:])
+        options = _parser().parse_args(given)
+        command: Callable[[argparse.Namespace], int] = options.command
+        return command(options)
+    except InputError as refusal:
+        return _complain(refusal, 2)
+    except WheelsetTrackError as failure:
+        return _complain(failure, 1)
+    except KeyboardInterrupt:
+        return _complain("interrupted", 1)
+
+
+def _complain(reason: object, status: int) -> int:
+    print(f"{PROGRAM}: {' '.join(str(reason).split())}", file=sys.stderr)  # noqa: T201
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog=PROGRAM, description="Wheel-rail impact loads and axle stresses of damaged wheels.")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+
+    run = commands.add_parser("run", help="simulate without ROS, as fast as possible")
+    names = ", ".join(shipped.names("scenarios"))
+    run.add_argument("scenario", metavar="SCENARIO", help=f"a file, or one of {names}")
+    run.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key, such as speed=30")
+    run.add_argument("--dynamics", help="causal (streaming)")
+    run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
+    run.add_argument("--out", type=Path, metavar="FILE.mcap", help="write the run as a bag")
+    run.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+    run.set_defaults(command=_run)
+
+    commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
+
+    report = commands.add_parser("report", help="a page and a table of a bag")
+    report.add_argument("bag", type=Path, metavar="BAG", help="an .mcap file or a bag folder")
+    report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
+    report.set_defaults(command=_report)
+
+    demo = commands.add_parser("demo", help="stream, record and report the paper's Section 5.1 through the ROS 2 node")
+    demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
+    demo.set_defaults(command=_demo)
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    from .commands.run import run
+
+    changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
+    return run(options.scenario, changes, options.duration, options.out, json=options.json)
+
+
+def _report(options: argparse.Namespace) -> int:
+    from .commands.report import report
+
+    return report(options.bag, options.out)
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from .commands.demo import demo
+
+    return demo(options.out)
+
+
+def _node(arguments: list[str]) -> int:
+    try:
+        from .ros.node import main as node
+    except ModuleNotFoundError as missing:
+        if missing.name not in {"rclpy", "wheelset_track_msgs"}:
+            raise
+        raise InputError(
+            f"the node needs ROS 2 Jazzy, and {missing.name} is not there: run make setup, or source the installation"
+        ) from None
+    return node(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,47 @@
+"""What a bag says of the simulator that it records."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from ..scenario import WHEELS
+from ..simulation.block import SampleBlock
+from ..simulation.simulator import Simulator
+from .messages import State
+from .run_info import RunInfo
+
+
+def run_info(simulator: Simulator) -> RunInfo:
+    """Origin of a simulator's run."""
+    scenario = simulator.scenario
+    return RunInfo(
+        scenario_name=scenario.name,
+        scenario=scenario.to_yaml(),
+        digest=simulator.digest,
+        sleeper_spacing=simulator.models.track.spacing,
+    )
+
+
+def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: str = "") -> State:
+    """What is simulated from the first step of ``block`` on, the latest block; without one, from the next step on."""
+    scenario = simulator.in_force
+    first_step = simulator.next_step if block is None else block.first_step
+    damage = tuple(
+        {"wheel": WHEELS.index(breakout.on) + 1}
+        | {name: value for name, value in asdict(breakout).items() if name in ("a", "b", "h", "angle", "y")}
+        for breakout in scenario.irregularities
+    )
+    return State(
+        first_step=first_step,
+        time=simulator.time if block is None else block.time,
+        step_period=scenario.step_period,
+        speed=scenario.speed,
+        position=first_step * scenario.step_length,
+        revision=simulator.revision,
+        axle_load=scenario.axle_load,
+        damage=damage,
+        scenario_name=scenario.name,
+        scenario=scenario.to_yaml(),
+        digest=simulator.digest,
+        recording=recording,
+    )

@@ -1,0 +1,45 @@
+"""The coupled step: displacements from the dynamics, irregularities added, contact solved, forces fed back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..contact.law_kernels import ContactLaw, contact_force
+from ..jit import kernel
+from .causal_kernels import Causal, advance, displacements, stresses
+
+
+@kernel
+def run(
+    dynamics: Causal,
+    law: ContactLaw,
+    preload: np.ndarray,
+    tread_origin: int,
+    first_step: int,
+    forces: np.ndarray,
+    stress: np.ndarray,
+    xi: np.ndarray,
+) -> int:
+    """Take one coupled step for each row of ``forces`` (n, 2); returns how many of them were solved.
+
+    ``preload`` (2,) m is the approach of wheel and rail without dynamics that loads each contact with the static
+    force; ``tread_origin`` is the step at which angle 0 of the treads meets the rail. Fills ``forces`` in N,
+    ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, the rail's instantaneous part included.
+    A count below n means that the contact problem of that step has no solution; the state stays at that step.
+    """
+    period = law.tread.shape[1]
+    bay = dynamics.compliance.shape[0]
+    for row in range(forces.shape[0]):
+        step = first_step + row
+        displacements(dynamics, step, xi[row])
+        for wheel in range(2):
+            approach = preload[wheel] - xi[row, 0, wheel] - xi[row, 1, wheel]
+            compliance = dynamics.compliance[step % bay, wheel]
+            force = contact_force(law, wheel, (step - tread_origin) % period, step, approach, compliance)
+            if not np.isfinite(force):
+                return row
+            forces[row, wheel] = force
+            xi[row, 1, wheel] += compliance * force
+        stresses(dynamics, forces[row], stress[row])
+        advance(dynamics, step, forces[row])
+    return forces.shape[0]

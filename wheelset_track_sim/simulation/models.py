@@ -1,0 +1,75 @@
+"""The models that a scenario names, loaded from the cache or built."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from .. import __version__
+from ..cache import digest
+from ..contact.law import ContactGeometry, build_contact_law
+from ..contact.law_kernels import ContactLaw
+from ..errors import InputError
+from ..irregularities import Breakout
+from ..scenario import Scenario
+from ..structures.reduced_wheelset import reduced_wheelset
+from ..structures.track import Track, load_track
+from ..structures.track_ring import track_ring
+from ..structures.wheelset import Wheelset, load_wheelset
+from .causal import CausalModel, causal_model
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(eq=False)
+class Models:
+    """Everything that is built before a run and that changes of tread damage and speed leave as it is."""
+
+    wheelset: Wheelset
+    track: Track
+    dynamics: CausalModel
+    geometry: ContactGeometry
+    step_length: float
+    steps_per_revolution: int
+    tread_origin: int
+    """Step at which angle 0 of the treads meets the rail."""
+    _smooth: ContactLaw | None = field(default=None, repr=False)
+
+    def contact_law(self, irregularities: Sequence[Breakout], progress: Progress | None = None) -> ContactLaw:
+        """Contact law of treads with these irregularities."""
+        if not irregularities and self._smooth is not None:
+            return self._smooth
+        law = build_contact_law(
+            irregularities, self.geometry, self.step_length, self.steps_per_revolution, progress=progress
+        )
+        if not irregularities:
+            self._smooth = law
+        return law
+
+    def digest(self, scenario: Scenario) -> str:
+        """Digest of a scenario with the content of its models, and of the program's version."""
+        return digest([__version__, scenario.to_mapping(), self.wheelset, self.track])
+
+
+def load_models(scenario: Scenario, progress: Progress | None = None) -> Models:
+    """Models of a scenario; raises InputError for a model that cannot be used."""
+    wheelset, track = load_wheelset(scenario.wheelset), load_track(scenario.track)
+    dx = scenario.step_length
+    bay = track.spacing / dx
+    if abs(bay - round(bay)) > 1e-6:
+        raise InputError(
+            f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
+            f"give {track.spacing / math.ceil(bay):g} m"
+        )
+    reduced = reduced_wheelset(wheelset, progress=progress)
+    ring = track_ring(track, dx, progress=progress)
+    return Models(
+        wheelset=wheelset,
+        track=track,
+        dynamics=causal_model(reduced, ring, scenario.output.stress_nodes),
+        geometry=ContactGeometry(rolling_radius=reduced.rolling_radius),
+        step_length=dx,
+        steps_per_revolution=round(2 * math.pi * reduced.rolling_radius / dx),
+        tread_origin=round(scenario.reference_position / dx),
+    )
