@@ -1,1 +1,23 @@
-"""Wheel-rail normal contact: influence coefficients, Kalker's variational method, Hertz, force tables."""
+"""Wheel-rail normal contact: influence coefficients, Kalker's variational method, Hertz, force tables.
+
+The coupled step calls ``contact_force`` of ``law_kernels`` with the law that ``build_contact_law`` makes.
+"""
+
+from .hertz import HertzContact
+from .law import ContactPatch, approach_for_force, build_contact_law, force_at, solve_patch
+from .law_kernels import ContactLaw, contact_force, contact_pressure
+from .profiles import ContactGeometry, RailHead
+
+__all__ = [
+    "ContactGeometry",
+    "ContactLaw",
+    "ContactPatch",
+    "HertzContact",
+    "RailHead",
+    "approach_for_force",
+    "build_contact_law",
+    "contact_force",
+    "contact_pressure",
+    "force_at",
+    "solve_patch",
+]

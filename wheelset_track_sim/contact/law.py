@@ -1,0 +1,198 @@
+"""Builds the contact law of the coupled step, and asks it for single solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ContactError, InputError
+from ..irregularities import TreadIrregularity, tread_heights
+from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
+from .hertz import HertzContact
+from .influence import influence_table
+from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
+from .profiles import ContactGeometry
+from .tables import Progress, force_tables, windows
+
+WHEELS = ("wheel_1", "wheel_2")
+
+REASONS = {
+    NOT_CONVERGED: "the active set does not settle",
+    AT_BORDER: "the contact reaches the border of the potential contact area",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPatch:
+    """Solution of one normal contact."""
+
+    force: float
+    """N."""
+    stiffness: float
+    """Derivative of the force by the approach, N/m."""
+    approach: float
+    """m."""
+    pressure: NDArray[np.float64]
+    """(nx, ny), Pa."""
+    x: NDArray[np.float64]
+    """Longitudinal positions of the elements, (nx,), m, ahead positive."""
+    y: NDArray[np.float64]
+    """Lateral positions of the elements, (ny,), m."""
+
+
+def contact_grid(
+    geometry: ContactGeometry, dx: float, dy: float, reach: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Positions x and y of the elements whose nominal separation is below ``reach``, m, and of one row more around.
+
+    With half-spaces the contact lies where the undeformed bodies would overlap, so this holds every contact of an
+    approach up to ``reach``. Odd in number, with an element in the middle; not beside the rail head.
+    """
+    half_x = int(np.sqrt(reach * (2 * geometry.wheel_radius - reach)) / dx) + 1
+    on_head = np.arange(int(geometry.head.half_width / dy * (1 + 1e-12)) + 1)
+    half_y = min(int((geometry.head.drop(on_head * dy) < reach).sum()), int(on_head[-1]))
+    return np.arange(-half_x, half_x + 1) * dx, np.arange(-half_y, half_y + 1) * dy
+
+
+def build_contact_law(
+    irregularities: Sequence[TreadIrregularity],
+    geometry: ContactGeometry,
+    dx: float,
+    n_c: int,
+    *,
+    dy: float = 0.001,
+    largest_force: float = 600e3,
+    tables: bool = True,
+    progress: Progress | None = None,
+) -> ContactLaw:
+    """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
+
+    ``tables`` says whether the force-approach curves up to ``largest_force`` (N) are worked out beforehand, for every
+    tread position at which an irregularity can bear; without them, and above that force, the active set is solved in
+    every step. ``progress`` is told the share done.
+    Raises InputError for a grid that makes no sense and for what the irregularities refuse.
+    """
+    for name, value, low, high in (("dx", dx, 1e-4, 5e-3), ("dy", dy, 1e-4, 5e-3), ("largest_force", largest_force, 1e3, 2e6)):
+        if not low <= value <= high:
+            raise InputError(f"{name} = {value:g} is out of range: give a value from {low:g} to {high:g} (SI units)")
+    if not n_c >= 100:
+        raise InputError(f"n_c = {n_c} is out of range: give at least 100 steps around the wheel")
+
+    # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
+    head = int(geometry.head.half_width / dy * (1 + 1e-12))
+    wide = np.arange(-head, head + 1) * dy
+    tread = np.stack([tread_heights(irregularities, wheel, n_c, dx, wide) for wheel in WHEELS])
+    # A crown of the smaller radius needs a larger approach for the same force; so does a tread lowered all over.
+    sharper = HertzContact(geometry.wheel_radius, min(geometry.head.radii[:2]), geometry.contact_modulus)
+    reach = sharper.approach(largest_force) + tread.max() - tread.min()
+    x, y = contact_grid(geometry, dx, dy, reach)
+    if len(x) > n_c:
+        raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
+    nx, ny = len(x), len(y)
+    tread = np.ascontiguousarray(tread[:, :, head - ny // 2 : head + ny // 2 + 1])
+    separation = geometry.separation(x[:, None], y)
+    influence = influence_table(nx, ny, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
+
+    table = np.full((2, n_c), -1, np.int32)
+    first, points = np.zeros(1, np.int64), np.zeros((0, 2))
+    if tables:
+        placed = windows(tread, separation, reach)
+        stored = force_tables(placed.heights, separation, influence, dx * dy, largest_force, progress)
+        table, first, points = placed.number, stored.first, stored.points
+    return ContactLaw(
+        tread=tread,
+        rail=np.zeros((2, 1, ny)),
+        tread_mirrored=_mirrored_within(tread, nx),
+        rail_mirrored=np.ones(2, np.bool_),
+        x=x,
+        y=y,
+        separation=separation,
+        influence=influence,
+        element_area=dx * dy,
+        table=table,
+        first_point=first,
+        points=points,
+        in_contact=np.zeros((2, nx, ny), np.bool_),
+    )
+
+
+def _mirrored_within(tread: NDArray[np.float64], nx: int) -> NDArray[np.bool_]:
+    """Whether all rows within nx // 2 of each row are symmetric about the middle, (2, n_c)."""
+    skew = (tread != tread[:, :, ::-1]).any(axis=2)
+    near = np.zeros_like(skew)
+    for offset in range(-(nx // 2), nx // 2 + 1):
+        near |= np.roll(skew, offset, axis=1)
+    return ~near
+
+
+def solve_patch(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float = 0.0
+) -> ContactPatch:
+    """Contact of ``wheel`` (0 or 1) solved for pressure, force and stiffness; leaves the state of ``law`` as it is.
+
+    Arguments as in ``contact_force``. Raises ContactError with the inputs if there is no solution.
+    """
+    pressure = np.empty(law.separation.shape)
+    guess = np.zeros(law.separation.shape, np.bool_)
+    force, stiffness, status = solve_contact(
+        law, wheel, tread_index, rail_index, float(approach), float(compliance), guess, pressure
+    )
+    if status != CONVERGED:
+        raise ContactError(
+            f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index}, approach {approach:g} m, "
+            f"compliance {compliance:g} m/N: {REASONS.get(status, 'the inputs are not finite')}"
+        )
+    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y)
+
+
+def force_at(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float = 0.0
+) -> float:
+    """``contact_force`` that raises ContactError, with the inputs, where that returns NaN."""
+    force = contact_force(law, wheel, tread_index, rail_index, float(approach), float(compliance))
+    if not np.isfinite(force):
+        force = solve_patch(law, wheel, tread_index, rail_index, approach, compliance).force
+    return float(force)
+
+
+def approach_for_force(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, force: float, compliance: float = 0.0
+) -> float:
+    """Approach, m, at which the contact of ``wheel`` bears ``force``, N: the inverse of ``contact_force``.
+
+    Zero force gives the approach of first touch. Raises InputError for a negative force and ContactError for one that
+    the law cannot bear.
+    """
+    if not 0.0 <= force < np.inf:
+        raise InputError(f"force = {force:g} N is out of range: give a force that presses, from 0 N")
+    number = law.table[wheel, tread_index % law.table.shape[1]]
+    if number >= 0:
+        curve = law.points[law.first_point[number] : law.first_point[number + 1]]
+        if force <= curve[-1, 1]:
+            return float(np.interp(force, curve[:, 1], curve[:, 0])) + compliance * force
+    touch = float(np.min(total_separation(law, wheel, tread_index, rail_index)))
+    if force == 0.0:
+        return touch
+    # The force is convex in the approach and made of straight pieces: from above, Newton's method ends exactly.
+    approach = touch + 1e-6
+    low, high = touch, np.inf
+    for _ in range(100):
+        try:
+            patch = solve_patch(law, wheel, tread_index, rail_index, approach)
+        except ContactError:
+            # Too deep for the area: come back half of the way.
+            high = approach
+            approach = 0.5 * (low + high)
+            continue
+        if patch.force < force:
+            low = approach
+        step = (force - patch.force) / patch.stiffness
+        if abs(step) <= 1e-13 * (approach - touch):
+            return approach + step + compliance * force
+        approach = approach + step if approach + step < high else 0.5 * (approach + high)
+    raise ContactError(
+        f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"
+    )

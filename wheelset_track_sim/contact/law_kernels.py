@@ -1,0 +1,134 @@
+"""The contact law of the coupled step: approach in, force out, for both wheels.
+
+Indices: wheel 0 is wheel 1 and wheel 1 is wheel 2. ``tread_index`` and ``rail_index`` are those of the middle of the
+area; they count in steps, rise with time, may be of any size and are taken modulo the lengths of treads and rails. An
+element ahead in x meets tread and rail at a higher index.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..jit import kernel
+from .active_set_kernels import solve_active_set
+
+
+class ContactLaw(NamedTuple):
+    """Both contacts, as plain arrays for compiled code; made by ``build_contact_law``."""
+
+    tread: NDArray[np.float64]
+    """Heights of the treads, (2, n_c, ny), m, negative where material is missing."""
+    rail: NDArray[np.float64]
+    """Heights of the rails, (2, n_r, ny), m; one row of zeros where the rails are smooth."""
+    tread_mirrored: NDArray[np.bool_]
+    """Whether the tread within the area is symmetric about y = 0, (2, n_c)."""
+    rail_mirrored: NDArray[np.bool_]
+    """Whether the rail is symmetric about y = 0, (2,)."""
+    x: NDArray[np.float64]
+    """Longitudinal positions of the elements, (nx,), m."""
+    y: NDArray[np.float64]
+    """Lateral positions of the elements, (ny,), m."""
+    separation: NDArray[np.float64]
+    """Separation of the nominal surfaces, (nx, ny), m."""
+    influence: NDArray[np.float64]
+    """Influence coefficients by element offset, (nx, ny), m/Pa."""
+    element_area: float
+    """dx dy, m^2."""
+    table: NDArray[np.int32]
+    """Force table of each tread position, (2, n_c); -1 to solve."""
+    first_point: NDArray[np.int64]
+    """Where each force table starts in ``points``, and where the last ends, (tables + 1,)."""
+    points: NDArray[np.float64]
+    """Kinks of the force-approach curves, (points, 2): m, N."""
+    in_contact: NDArray[np.bool_]
+    """Elements in contact at the last solution, (2, nx, ny): the first guess of the next."""
+
+
+@kernel
+def total_separation(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> NDArray[np.float64]:
+    """z_R + z_W + r_R + r_W of Eq. (12), (nx, ny), m; r is minus the height: missing material widens the gap."""
+    nx, ny = law.separation.shape
+    n_c, n_r = law.tread.shape[1], law.rail.shape[1]
+    gap = np.empty((nx, ny))
+    for i in range(nx):
+        tread = law.tread[wheel, (tread_index + i - nx // 2) % n_c]
+        rail = law.rail[wheel, (rail_index + i - nx // 2) % n_r]
+        for j in range(ny):
+            gap[i, j] = law.separation[i, j] - tread[j] - rail[j]
+    return gap
+
+
+@kernel
+def solve_contact(
+    law: ContactLaw,
+    wheel: int,
+    tread_index: int,
+    rail_index: int,
+    approach: float,
+    compliance: float,
+    in_contact: NDArray[np.bool_],
+    pressure: NDArray[np.float64],
+) -> tuple[float, float, int]:
+    """Force, N, stiffness, N/m, and status of ``solve_active_set`` at a position of tread and rail."""
+    mirrored = law.tread_mirrored[wheel, tread_index % law.tread.shape[1]] and law.rail_mirrored[wheel]
+    gap = total_separation(law, wheel, tread_index, rail_index)
+    return solve_active_set(
+        gap, mirrored, law.influence, law.element_area, approach, compliance, in_contact, pressure
+    )
+
+
+@kernel
+def table_force(points: NDArray[np.float64], first: int, end: int, approach: float, compliance: float) -> float:
+    """Force, N, from the kinks ``points[first:end]`` at an approach, m, of which ``compliance`` times force is lost.
+
+    F = f(approach - c0 F) has one solution, on the segment where approach - c0 F falls; NaN beyond the last kink.
+    """
+    if approach <= points[first, 0]:
+        return 0.0
+    low, high = first, end - 1
+    if not approach <= points[high, 0] + compliance * points[high, 1]:
+        return np.nan
+    while high - low > 1:
+        middle = (low + high) // 2
+        if points[middle, 0] + compliance * points[middle, 1] <= approach:
+            low = middle
+        else:
+            high = middle
+    slope = (points[high, 1] - points[low, 1]) / (points[high, 0] - points[low, 0])
+    return (points[low, 1] + slope * (approach - points[low, 0])) / (1.0 + compliance * slope)
+
+
+@kernel
+def contact_force(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
+) -> float:
+    """Contact force, N, >= 0, where F = f(approach - compliance F); NaN if it cannot be solved.
+
+    ``approach`` (m) is xi_r + xi_w of Eq. (12) with its sign turned: the overlap of the nominal surfaces at the
+    middle of the area. ``compliance`` is in m/N. From the table of the position if it has one and the force is within,
+    else from the active set, whose last solution in ``law.in_contact`` is the first guess.
+    """
+    number = law.table[wheel, tread_index % law.tread.shape[1]]
+    if number >= 0:
+        force = table_force(law.points, law.first_point[number], law.first_point[number + 1], approach, compliance)
+        if np.isfinite(force):
+            return force
+    return solve_contact(
+        law, wheel, tread_index, rail_index, approach, compliance, law.in_contact[wheel], np.empty((0, 0))
+    )[0]
+
+
+@kernel
+def contact_pressure(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
+) -> NDArray[np.float64]:
+    """Contact pressure, (nx, ny), Pa; NaN if it cannot be solved. Leaves the state of ``law`` as it is."""
+    pressure = np.empty(law.separation.shape)
+    guess = np.zeros(law.separation.shape, np.bool_)
+    force, _, _ = solve_contact(law, wheel, tread_index, rail_index, approach, compliance, guess, pressure)
+    if not np.isfinite(force):
+        pressure[:] = np.nan
+    return pressure

@@ -1,0 +1,151 @@
+"""The force-approach curve of one geometry, exactly.
+
+With a fixed set of elements in contact the pressures are linear in the approach, so the force of the discretised
+contact is piecewise linear, with a kink where an element enters. Following the approach from first touch and adding
+one element at a time gives all kinks, and the table is the solution itself, not an interpolation of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..jit import kernel
+from .active_set_kernels import pair
+
+
+@kernel
+def enlarged(array: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    """Square array with room for twice its n rows and columns."""
+    larger = np.zeros((2 * n, 2 * n))
+    larger[:n, :n] = array
+    return larger
+
+
+@kernel
+def force_path(
+    separation: NDArray[np.float64],
+    mirrored: bool,
+    influence: NDArray[np.float64],
+    element_area: float,
+    largest_force: float,
+) -> NDArray[np.float64]:
+    """Kinks of the force-approach curve, (points, 2): approach, m, and force, N, rising from first touch.
+
+    The last point is at ``largest_force``, or where the contact reaches the border of the area (nx, ny) of
+    ``separation``, m. Arguments as in ``solve_active_set``.
+
+    Between kinks the pressures p grow by q times the approach, where q is that of a flat punch on the elements in
+    contact. The inverse of their influence matrix is carried along and bordered or deflated by one element a kink.
+    """
+    nx, ny = separation.shape
+    centre = ny // 2
+    first = centre if mirrored else 0
+    flat = separation[:, first:].copy().ravel()
+    order = np.argsort(flat, kind="mergesort")
+    order = order[np.isfinite(flat[order])]
+    m = len(order)
+    gap = flat[order]
+    at_i = order // (ny - first)
+    at_j = order % (ny - first) + first
+    weight = np.ones(m)
+    if mirrored:
+        weight[at_j != centre] = 2.0
+
+    points = np.empty((4 * m + 4, 2))
+    approach, force = gap[0], 0.0
+    points[0] = approach, force
+    count = 1
+    inside = np.zeros(m, np.bool_)
+    chosen = np.empty(m, np.int64)
+    inverse = np.zeros((64, 64))
+    p, q, column, g = np.zeros(m), np.zeros(m), np.empty(m), np.empty(m)
+    n = 0
+    entering, leaving = 0, -1
+    # Every kink adds or removes an element; the bound only ends a path that cannot advance.
+    for _ in range(4 * m):
+        if entering >= 0:
+            i, j = at_i[entering], at_j[entering]
+            if i == 0 or i == nx - 1 or j == ny - 1 or (j == 0 and not mirrored):
+                break
+            if n == len(inverse):
+                inverse = enlarged(inverse, n)
+            own = weight[entering] ** 2 * pair(influence, mirrored, centre, i, j, i, j)
+            rate = weight[entering]
+            g[:n] = 0.0
+            for b in range(n):
+                d = chosen[b]
+                column[b] = weight[entering] * weight[d] * pair(influence, mirrored, centre, i, j, at_i[d], at_j[d])
+                row = inverse[b, :n]
+                for a in range(n):
+                    g[a] += column[b] * row[a]
+            for b in range(n):
+                own -= column[b] * g[b]
+                rate -= column[b] * q[b]
+            rate /= own
+            for b in range(n):
+                q[b] -= rate * g[b]
+                scaled = g[b] / own
+                row = inverse[b, :n]
+                for a in range(n):
+                    row[a] += scaled * g[a]
+                inverse[b, n] = -scaled
+                inverse[n, b] = -scaled
+            inverse[n, n] = 1.0 / own
+            q[n], p[n] = rate, 0.0
+            chosen[n] = entering
+            inside[entering] = True
+            n += 1
+        elif leaving >= 0:
+            n -= 1
+            inside[chosen[leaving]] = False
+            g[: n + 1] = inverse[leaving, : n + 1]
+            g[leaving], g[n] = g[n], g[leaving]
+            # The last element takes the place of the one that leaves.
+            inverse[leaving, : n + 1] = inverse[n, : n + 1]
+            inverse[: n + 1, leaving] = inverse[: n + 1, n]
+            inverse[leaving, leaving] = inverse[n, n]
+            chosen[leaving], p[leaving] = chosen[n], p[n]
+            q[leaving], q[n] = q[n], q[leaving]
+            for b in range(n):
+                q[b] -= g[b] * q[n] / g[n]
+                for a in range(n):
+                    inverse[b, a] -= g[b] * g[a] / g[n]
+
+        slope = 0.0
+        for b in range(n):
+            slope += element_area * weight[chosen[b]] * q[b]
+        following = approach + (largest_force - force) / slope
+        entering, leaving = -1, -1
+        for b in range(n):
+            if q[b] < 0.0 and approach - p[b] / q[b] < following:
+                following = approach - p[b] / q[b]
+                leaving = b
+        for c in range(m):
+            if gap[c] >= following:
+                break
+            if inside[c]:
+                continue
+            distance, closing = gap[c] - approach, 1.0
+            for b in range(n):
+                d = chosen[b]
+                unit = weight[d] * pair(influence, mirrored, centre, at_i[c], at_j[c], at_i[d], at_j[d])
+                distance += unit * p[b]
+                closing -= unit * q[b]
+            if closing > 0.0 and approach + max(distance, 0.0) / closing < following:
+                following = approach + max(distance, 0.0) / closing
+                entering, leaving = c, -1
+        advance = max(following - approach, 0.0)
+        for b in range(n):
+            p[b] += advance * q[b]
+        approach += advance
+        force += advance * slope
+        # Elements that enter together (mirror images) make one kink.
+        if count > 1 and approach - points[count - 1, 0] <= 1e-12 * (approach - gap[0]):
+            count -= 1
+        if approach > points[0, 0]:
+            points[count] = approach, force
+            count += 1
+        if entering < 0 and leaving < 0:
+            break
+    return points[:count].copy()

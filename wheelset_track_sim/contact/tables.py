@@ -1,0 +1,117 @@
+"""Force tables of all tread positions that need one of their own."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import cache
+from ..errors import ContactError
+from . import active_set_kernels, path_kernels
+from .path_kernels import force_path
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+Progress = Callable[[float], None]
+"""Told the share of the work that is done, 0 to 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForceTables:
+    """Exact force-approach curves of several geometries, one after the other."""
+
+    first: NDArray[np.int64]
+    """Where each curve starts in ``points``, and where the last ends, (tables + 1,)."""
+    points: NDArray[np.float64]
+    """Kinks, (points, 2): approach, m, and force, N."""
+
+    def to_arrays(self) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
+        """Arrays by name."""
+        return {"first": self.first, "points": self.points}
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, np.ndarray]) -> Self:
+        """Tables from stored arrays; ValueError if they do not fit together."""
+        first, points = arrays["first"], arrays["points"]
+        if points.shape != (first[-1], 2) or first[0] != 0 or not np.isfinite(points).all():
+            raise ValueError("these are no force tables")
+        return cls(first, points)
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Distinct tread heights within the potential contact area, and where on the treads each stands."""
+
+    number: NDArray[np.int32]
+    """Window of each tread position, (2, n_c); 0 is the smooth tread."""
+    heights: list[NDArray[np.float64]]
+    """Windows, each (nx, ny), m."""
+
+
+def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], reach: float) -> Windows:
+    """Distinct windows of ``tread`` (2, n_c, ny) as seen by an area of nominal ``separation`` (nx, ny).
+
+    Only elements with a separation, nominal or true, below the approach ``reach`` can bear, so others count as smooth.
+    Mirror images along x share a window: the force is the same. So do the two wheels.
+    """
+    nx = len(separation)
+    n_c = tread.shape[1]
+    found: dict[bytes, int] = {}
+    heights = [np.zeros(separation.shape)]
+    number = np.zeros(tread.shape[:2], np.int32)
+    offset = np.arange(nx) - nx // 2
+    for wheel in range(len(tread)):
+        rough = np.flatnonzero(tread[wheel].any(axis=1))
+        for position in np.unique((rough[:, None] - offset) % n_c):
+            window = tread[wheel, (position + offset) % n_c]
+            window = np.where(np.minimum(separation, separation - window) < reach, window, 0.0)
+            if not window.any():
+                continue
+            key = min(window.tobytes(), window[::-1].tobytes())
+            if key not in found:
+                found[key] = len(heights)
+                heights.append(window)
+            number[wheel, position] = found[key]
+    return Windows(number, heights)
+
+
+def force_tables(
+    heights: list[NDArray[np.float64]],
+    separation: NDArray[np.float64],
+    influence: NDArray[np.float64],
+    element_area: float,
+    largest_force: float,
+    progress: Progress | None = None,
+) -> ForceTables:
+    """Curves up to ``largest_force``, N, of windows of tread heights, from the model cache if they are there.
+
+    Raises ContactError for a curve that is not finite.
+    """
+
+    def build() -> ForceTables:
+        curves = []
+        for number, window in enumerate(heights):
+            mirrored = bool((window == window[:, ::-1]).all())
+            curve = force_path(separation - window, mirrored, influence, element_area, largest_force)
+            if not np.isfinite(curve).all() or (np.diff(curve, axis=0) <= 0.0).any():
+                raise ContactError(f"force table {number} of {len(heights)} is not finite and rising")
+            curves.append(curve)
+            if progress is not None:
+                progress((number + 1) / len(heights))
+        first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
+        return ForceTables(first, np.concatenate(curves))
+
+    contents = hashlib.blake2b(digest_size=16)
+    for array in (separation, influence, *heights):
+        contents.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    key = cache.digest([contents.hexdigest(), element_area, largest_force], path_kernels, active_set_kernels)
+    tables = cache.cached("force-tables", ForceTables, key, build)
+    if len(tables.first) != len(heights) + 1:
+        raise ContactError(f"{len(tables.first) - 1} force tables are stored for {len(heights)} geometries")
+    return tables
