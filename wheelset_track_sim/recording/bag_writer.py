@@ -1,0 +1,155 @@
+"""Bags as ``ros2 bag`` reads them, written without ROS: MCAP with CDR messages and zstd chunks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from mcap.writer import Writer
+
+from .. import __version__
+from ..errors import InputError, RecordingError
+from ..simulation.block import SampleBlock
+from .definitions import full_name, schema, serialise
+from .messages import Message, State, chunk_messages, state_message
+from .rosbag2_metadata import LATCHED_TOPICS, Topic, channel_metadata, write_folder_metadata
+from .run_info import METADATA_NAME, RunInfo
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+PREFIX = "/wheelset_track_sim"
+CHUNK_PERIOD_NS = 100_000_000
+"""A chunk of the file is closed after this time of the run: what a crash can lose."""
+CHUNK_BYTES = 1 << 24
+"""Never reached by a run in real time: chunks are cut by time, between blocks."""
+
+
+class BagWriter:
+    """One bag while it is written; a context manager that leaves a readable bag, also after an exception.
+
+    A path that ends in ``.mcap`` is one file, any other a bag folder with ``metadata.yaml``. An exception before the
+    first message leaves nothing behind.
+    """
+
+    def __init__(self, path: str | Path, info: RunInfo, *, start_ns: int, prefix: str = PREFIX) -> None:
+        """Create the bag; ``start_ns`` is the time stamp of step 0, ns since the epoch.
+
+        Raises InputError if the path exists or cannot be written.
+        """
+        self.path = Path(path)
+        self.start_ns = start_ns
+        self.prefix = prefix.rstrip("/")
+        self._folder = None if self.path.suffix == ".mcap" else self.path
+        self._file = self.path if self._folder is None else self.path / f"{self.path.name}_0.mcap"
+        self._topics: dict[str, tuple[int, Topic]] = {}
+        self._schemas: dict[str, int] = {}
+        self._first_ns = self._last_ns = self._chunk_ns = start_ns
+        self._open = True
+        try:
+            if self._folder is None:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+            else:
+                self._folder.mkdir(parents=True)
+            self._stream = self._file.open("xb")
+        except FileExistsError as found:
+            taken = self.path if self.path.exists() else found.filename
+            raise InputError(f"{taken} exists already: give another path, or remove it first") from None
+        except OSError as reason:
+            raise InputError(
+                f"{self.path} cannot be written ({reason.strerror}): give a path in a folder that can be written"
+            ) from None
+        self._mcap: Any = Writer(self._stream, chunk_size=CHUNK_BYTES)
+        self._mcap.start(profile="ros2", library=f"wheelset_track_sim {__version__}")
+        self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
+        self._write_folder_metadata()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if error is None:
+            self.close()
+            return
+        with suppress(RecordingError):  # the first error is the one to tell
+            self.close()
+        if not self._topics:
+            self._remove()
+
+    def write(self, block: SampleBlock, *, real_time_factor: float = math.nan, lag: float = 0.0) -> None:
+        """Record one block; raises RecordingError if the disk refuses."""
+        self.write_messages(chunk_messages(block, self.start_ns, real_time_factor=real_time_factor, lag=lag))
+
+    def write_state(self, state: State) -> None:
+        """Record what is simulated from a step on: at the start, and at every revision."""
+        self.write_messages([state_message(state, self.start_ns)])
+
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        """Record messages that belong together; they stay in one chunk of the file."""
+        if not self._open:
+            raise RecordingError(f"{self.path} is closed: nothing more can be recorded in it")
+        try:
+            for message in messages:
+                self._add(message)
+            if self._last_ns - self._chunk_ns >= CHUNK_PERIOD_NS:
+                self._mcap.flush()
+                self._chunk_ns = self._last_ns
+        except OSError as reason:
+            raise self._refused(reason) from reason
+
+    def close(self) -> None:
+        """Finish the bag; closing again does nothing. Raises RecordingError if the disk refuses."""
+        if not self._open:
+            return
+        self._open = False
+        try:
+            with self._stream:
+                self._mcap.finish()
+            self._write_folder_metadata()
+        except OSError as reason:
+            raise self._refused(reason) from reason
+
+    def _add(self, message: Message) -> None:
+        channel, topic = self._topics.get(message.topic) or self._register(message)
+        if not any(topic.count for _, topic in self._topics.values()):
+            self._first_ns = message.stamp_ns
+        self._last_ns = max(self._last_ns, message.stamp_ns)
+        self._mcap.add_message(
+            channel_id=channel,
+            log_time=message.stamp_ns,
+            publish_time=message.stamp_ns,
+            sequence=topic.count,
+            data=serialise(message.kind, message.fields),
+        )
+        topic.count += 1
+
+    def _register(self, message: Message) -> tuple[int, Topic]:
+        kind = message.kind
+        if kind not in self._schemas:
+            self._schemas[kind] = self._mcap.register_schema(full_name(kind), "ros2msg", schema(kind).encode())
+        topic = Topic(f"{self.prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
+        channel = self._mcap.register_channel(topic.name, "cdr", self._schemas[kind], channel_metadata(topic))
+        self._topics[message.topic] = channel, topic
+        return channel, topic
+
+    def _write_folder_metadata(self) -> None:
+        if self._folder is not None:
+            topics = [topic for _, topic in self._topics.values()]
+            write_folder_metadata(self._folder, self._file, topics, self._first_ns, self._last_ns)
+
+    def _remove(self) -> None:
+        self._file.unlink(missing_ok=True)
+        if self._folder is not None:
+            (self._folder / "metadata.yaml").unlink(missing_ok=True)
+            self._folder.rmdir()
+
+    def _refused(self, reason: OSError) -> RecordingError:
+        return RecordingError(
+            f"{self.path} cannot be written further ({reason.strerror}): free space or give another path"
+        )

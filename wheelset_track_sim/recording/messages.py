@@ -1,0 +1,142 @@
+"""From blocks of samples to the plain fields of messages: the one place that knows both, for bags and for the node."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..simulation.block import COMPONENTS, SampleBlock
+from ..simulation.summary import summarise
+from ..stress.principal import maximum_principal
+
+FRAME = "track"
+DAMAGE_FIELDS = ("wheel", "a", "b", "h", "angle", "y")
+NANOSECOND = 1e-9
+
+
+class Message(NamedTuple):
+    """A message before it is one of ROS or of a bag."""
+
+    topic: str
+    """Relative to the node, such as ``axle_stress/a1``."""
+    kind: str
+    """Short type name, such as ``AxleStress``."""
+    stamp_ns: int
+    fields: dict[str, Any]
+    """Values by field: numbers, text, contiguous float64 arrays, mappings for messages inside."""
+
+
+@dataclass(frozen=True)
+class State:
+    """What is being simulated from a step on: one accepted change, and all that is needed to simulate it again."""
+
+    first_step: int
+    time: float
+    """Simulated time of ``first_step``, s."""
+    step_period: float
+    speed: float
+    position: float
+    revision: int
+    axle_load: float
+    damage: tuple[Mapping[str, float], ...]
+    """Fields of ``TreadDamage``: wheel (1 or 2), a, b, h, angle, y."""
+    scenario_name: str
+    scenario: str
+    """The scenario in force as YAML."""
+    digest: str
+    status: int = 0
+    message: str = ""
+    real_time_factor: float = math.nan
+    lag: float = 0.0
+    recording: str = ""
+
+
+def stress_topic(node: str) -> str:
+    """Topic of a stress node: its name in lower case, without what ROS names cannot hold."""
+    return f"axle_stress/{re.sub('[^a-z0-9_]', '_', node.lower())}"
+
+
+def chunk_messages(
+    block: SampleBlock, start_ns: int, *, real_time_factor: float = math.nan, lag: float = 0.0
+) -> list[Message]:
+    """Messages of one chunk: contact forces, one stress for each node, summary.
+
+    ``start_ns`` is the time stamp of step 0, ns. The values are those of the block, bit by bit.
+    """
+    stamp_ns, chunk = _chunk(block, start_ns)
+    principal = maximum_principal(block.stresses)
+    forces = np.ascontiguousarray(block.forces.T)
+    stresses = np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
+    largest = np.ascontiguousarray(principal.T)
+
+    messages = [
+        Message("contact_forces", "ContactForces", stamp_ns, {**chunk, "wheel_1": forces[0], "wheel_2": forces[1]})
+    ]
+    for node, stress, maximum in zip(block.nodes, stresses, largest, strict=True):
+        fields = {**chunk, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
+        messages.append(Message(stress_topic(node), "AxleStress", stamp_ns, fields))
+
+    summary = summarise(block, principal)
+    fields = {**chunk, "samples": summary.samples, "real_time_factor": real_time_factor, "lag": lag}
+    for wheel, load in zip(("wheel_1", "wheel_2"), summary.wheels, strict=True):
+        fields |= {f"{wheel}_{name}": value for name, value in vars(load).items()}
+    fields["nodes"] = [node.name for node in summary.nodes]
+    fields["max_principal_max"] = np.array([node.max_principal for node in summary.nodes])
+    fields["max_principal_min"] = np.array([node.min_principal for node in summary.nodes])
+    return [*messages, Message("summary", "LoadSummary", stamp_ns, fields)]
+
+
+def state_message(state: State, start_ns: int) -> Message:
+    """Message of a state; ``start_ns`` is the time stamp of step 0, ns."""
+    stamp_ns, chunk = _chunk(state, start_ns)
+    return Message("state", "SimulationState", stamp_ns, {**vars(state), **chunk})
+
+
+def block_of(forces: Any, stresses: list[Any]) -> SampleBlock:
+    """Block from a deserialised ContactForces and the AxleStress of every node for the same chunk."""
+    return SampleBlock(
+        first_step=forces.first_step,
+        time=forces.time,
+        step_period=forces.step_period,
+        speed=forces.speed,
+        position=forces.position,
+        revision=forces.revision,
+        forces=np.stack([forces.wheel_1, forces.wheel_2], axis=-1),
+        stresses=np.array([[getattr(stress, name) for name in COMPONENTS] for stress in stresses])
+        .reshape(len(stresses), len(COMPONENTS), len(forces.wheel_1))
+        .transpose(2, 0, 1),
+        nodes=tuple(stress.node for stress in stresses),
+    )
+
+
+def state_of(message: Any) -> State:
+    """State from a deserialised SimulationState."""
+    fields = {name: getattr(message, name) for name in State.__dataclass_fields__ if name != "damage"}
+    damage = tuple({name: getattr(item, name) for name in DAMAGE_FIELDS} for item in message.damage)
+    return State(**fields, damage=damage)
+
+
+def start_of(message: Any) -> int:
+    """Time stamp of step 0, ns, from any deserialised message of a run."""
+    stamp, since = message.header.stamp, round(float(message.time) / NANOSECOND)
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec) - since
+
+
+def _chunk(of: SampleBlock | State, start_ns: int) -> tuple[int, dict[str, Any]]:
+    """Time stamp, ns, and the fields that every chunk carries."""
+    stamp_ns = start_ns + round(of.time / NANOSECOND)
+    seconds, nanoseconds = divmod(stamp_ns, 10**9)
+    return stamp_ns, {
+        "header": {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": FRAME},
+        "first_step": of.first_step,
+        "time": of.time,
+        "step_period": of.step_period,
+        "speed": of.speed,
+        "position": of.position,
+        "revision": of.revision,
+    }

@@ -1,0 +1,90 @@
+"""What ``ros2 bag`` wants beside the messages: quality of service of a topic, ``metadata.yaml`` of a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from .definitions import full_name, type_hash
+
+VERSION = 9
+FOREVER = {"sec": 9223372036, "nsec": 854775807}
+LATCHED_TOPICS = {"state"}
+"""Topics that a late subscriber gets the last message of (transient local)."""
+
+
+@dataclass
+class Topic:
+    """One topic of a bag and how many messages it has."""
+
+    name: str
+    kind: str
+    latched: bool
+    count: int = 0
+
+
+def quality_of_service(topic: Topic) -> list[dict[str, Any]]:
+    """Offered profiles of a topic; rosbag2 wants every field, in lower case."""
+    return [
+        {
+            "history": "keep_last",
+            "depth": 1 if topic.latched else 10,
+            "reliability": "reliable",
+            "durability": "transient_local" if topic.latched else "volatile",
+            "deadline": dict(FOREVER),
+            "lifespan": dict(FOREVER),
+            "liveliness": "automatic",
+            "liveliness_lease_duration": dict(FOREVER),
+            "avoid_ros_namespace_conventions": False,
+        }
+    ]
+
+
+def channel_metadata(topic: Topic) -> dict[str, str]:
+    """Metadata of a topic's MCAP channel."""
+    return {
+        "offered_qos_profiles": yaml.safe_dump(quality_of_service(topic), sort_keys=False).strip(),
+        "topic_type_hash": type_hash(topic.kind),
+    }
+
+
+def write_folder_metadata(folder: Path, file: Path, topics: Sequence[Topic], first_ns: int, last_ns: int) -> None:
+    """Write ``metadata.yaml`` of a bag folder with one file; the old one stays until the new one is complete."""
+    count = sum(topic.count for topic in topics)
+    start = {"nanoseconds_since_epoch": first_ns}
+    duration = {"nanoseconds": last_ns - first_ns}
+    information = {
+        "version": VERSION,
+        "storage_identifier": "mcap",
+        "duration": duration,
+        "starting_time": start,
+        "message_count": count,
+        "topics_with_message_count": [
+            {
+                "topic_metadata": {
+                    "name": topic.name,
+                    "type": full_name(topic.kind),
+                    "serialization_format": "cdr",
+                    "offered_qos_profiles": quality_of_service(topic),
+                    "type_description_hash": type_hash(topic.kind),
+                },
+                "message_count": topic.count,
+            }
+            for topic in topics
+        ],
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": [file.name],
+        "files": [
+            {"path": file.name, "starting_time": dict(start), "duration": dict(duration), "message_count": count}
+        ],
+        "custom_data": None,
+        "ros_distro": "jazzy",
+    }
+    temporary = folder / "metadata.yaml.tmp"
+    temporary.write_text(yaml.safe_dump({"rosbag2_bagfile_information": information}, sort_keys=False), "utf-8")
+    temporary.replace(folder / "metadata.yaml")
