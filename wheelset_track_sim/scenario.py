@@ -8,13 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-import yaml
-
 from .cache import digest
 from .errors import InputError
 from .irregularities import Breakout
 from .schema import check, quantity, read
 from .shipped import load_yaml
+from .yaml12 import dump, parse
 
 Wheel = Literal["wheel_1", "wheel_2"]
 WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
@@ -70,7 +69,7 @@ class Scenario:
 
     def to_yaml(self) -> str:
         """The scenario as a YAML file's text."""
-        return yaml.safe_dump(self.to_mapping(), sort_keys=False)
+        return dump(self.to_mapping())
 
     @property
     def digest(self) -> str:
@@ -101,12 +100,7 @@ def override(data: dict[str, Any], change: str) -> None:
     key, equals, text = change.partition("=")
     if not equals or not key:
         raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
-    try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError:
-        raise InputError(f"--set {change!r}: the value is not YAML") from None
-    if isinstance(value, str):
-        value = _number(value)
+    value = parse(text, f"the value of --set {key}")
     *path, last = key.split(".")
     place: Any = data
     for depth, part in enumerate(path):
@@ -117,14 +111,6 @@ def override(data: dict[str, Any], change: str) -> None:
         place[last] = value
     else:
         raise InputError(f"--set {key}: {'.'.join(path)} has no entries")
-
-
-def _number(text: str) -> Any:
-    """YAML 1.1 takes ``1e-3`` for text; people mean a number."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _entry(place: Any, part: str, where: str) -> Any:

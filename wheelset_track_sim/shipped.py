@@ -6,10 +6,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
 from .errors import InputError
 from .schema import unknown
+from .yaml12 import parse
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
@@ -35,14 +34,11 @@ def load_yaml(kind: str, name_or_path: str | Path) -> Any:
     else:
         raise InputError(unknown(kind.removesuffix("s"), repr(str(name_or_path)), str(name_or_path), names(kind)))
     try:
-        return yaml.safe_load(source.read_text(encoding="utf-8"))
+        text = source.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(
-            f"{source} cannot be read ({reason}): give a YAML file or one of {', '.join(names(kind))}"
-        ) from None
-    except yaml.YAMLError as reason:
-        line = " ".join(str(reason).split())
-        raise InputError(f"{source} is not YAML ({line}): correct it there") from None
+        known = ", ".join(names(kind))
+        raise InputError(f"{source} cannot be read ({reason}): give a YAML file or one of {known}") from None
+    return parse(text, str(source))
 
 
 def _folder(kind: str) -> Traversable:

@@ -1,0 +1,20 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from wheelset_track_sim.stress.principal import maximum_principal, principal
+
+
+@given(arrays(np.float64, (5, 6), elements=st.floats(-1e9, 1e9)))
+def test_principal_stresses_are_the_eigenvalues(stress: np.ndarray) -> None:
+    xx, yy, zz, xy, xz, yz = stress.T
+    tensors = np.stack([np.stack([xx, xy, xz]), np.stack([xy, yy, yz]), np.stack([xz, yz, zz])]).transpose(2, 0, 1)
+    expected = np.linalg.eigvalsh(tensors)[:, ::-1]
+    scale = np.abs(stress).max(axis=1, keepdims=True)
+    assert np.all(np.abs(principal(stress) - expected) <= 2e-7 * scale + 1e-3)
+    assert np.all(np.abs(maximum_principal(stress) - expected[:, 0]) <= 2e-7 * scale[:, 0] + 1e-3)
+
+
+def test_uniaxial_stress_is_exact_enough_to_print() -> None:
+    assert np.allclose(principal(np.array([0, 60e6, 0, 0, 0, 0.0])), [60e6, 0, 0], atol=1.0)

@@ -1,0 +1,93 @@
+import dataclasses
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheelset_track_sim import shipped
+from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.scenario import Scenario, load_scenario, override, scenario_from
+from wheelset_track_sim.yaml12 import parse
+
+
+@pytest.mark.parametrize("name", shipped.names("scenarios"))
+def test_shipped_scenarios_load_and_come_back_from_their_own_text(name: str) -> None:
+    scenario = load_scenario(name)
+    assert scenario.name == name
+    assert scenario_from(parse(scenario.to_yaml(), name)) == scenario
+
+
+def test_the_papers_load_cases_are_shipped() -> None:
+    on = {name: sorted(item.on for item in load_scenario(name).irregularities) for name in shipped.names("scenarios")}
+    assert on["undamaged"] == []
+    assert on["damage_wheel_1"] == ["wheel_1"]
+    assert on["damage_wheel_2"] == ["wheel_2"]
+    assert on["damage_both"] == ["wheel_1", "wheel_2"]
+
+
+def test_overrides_reach_into_lists() -> None:
+    scenario = load_scenario("damage_wheel_1", ["irregularities.0.h=3e-4", "speed=30"])
+    assert scenario.irregularities[0].h == 3e-4
+    assert scenario.speed == 30.0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("speed=.nan", ["speed", "not finite"]),
+        ("speed=nan", ["speed", "'nan' is not a number"]),
+        ("speed=-3", ["speed = -3 m/s", "from 5 to 100 m/s"]),
+        ("speed=fast", ["speed", "not a number"]),
+        ("axle_load=1e9", ["axle_load", "from 20000 to 400000 N"]),
+        ("irregularities.0.h=0.5", ["irregularities.0.h = 0.5 m"]),
+        ("irregularities.0.b=0.2", ["irregularities.0.b"]),
+        ("irregularities.0.y=0.045", ["irregularities.0", "beyond the tread"]),
+        ("irregularities.0.on=wheel_3", ["irregularities.0.on", "wheel_3"]),
+        ("irregularities.0.type=crater", ["irregularities.0.type", "breakout"]),
+        ("irregularities.1.h=0.001", ["irregularities.1", "not an index"]),
+        ("speeed=30", ["speeed", "did you mean speed"]),
+        ("speed.now=30", ["speed"]),
+        ("speed", ["key=value"]),
+        ("name=", ["name"]),
+    ],
+)
+def test_bad_changes_are_refused_by_name(change: str, words: list[str]) -> None:
+    with pytest.raises(InputError) as refusal:
+        load_scenario("damage_wheel_1", [change])
+    assert "\n" not in str(refusal.value)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("speed: [", "not YAML"), ("- 1", "not a mapping"), ("name: x", "speed is missing"), ("\x00", "not YAML")],
+)
+def test_bad_files_are_refused(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=words):
+        load_scenario(path)
+
+
+def test_missing_files_and_unknown_names_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        load_scenario(tmp_path / "none.yaml")
+    with pytest.raises(InputError, match="did you mean damage_wheel_1"):
+        load_scenario("damage_whel_1")
+
+
+def test_digest_tells_scenarios_apart() -> None:
+    scenario = load_scenario("damage_wheel_1")
+    assert scenario.digest == load_scenario("damage_wheel_1").digest
+    assert scenario.digest != dataclasses.replace(scenario, speed=scenario.speed + 1e-12).digest
+
+
+@given(st.text(max_size=20), st.text(max_size=20))
+def test_an_override_sets_or_refuses_and_nothing_else(key: str, value: str) -> None:
+    data = {"name": "n", "speed": 30.0, "axle_load": 2e5, "irregularities": []}
+    with suppress(InputError):
+        override(data, f"{key}={value}")
+        assert isinstance(scenario_from(data), Scenario)
