@@ -16,6 +16,7 @@ from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from mcap.summary import Summary
 from rosbags.serde import SerdeError
+from zstandard import ZstdError
 
 from ..errors import RecordingError
 from ..simulation.block import SampleBlock
@@ -25,7 +26,7 @@ from .run_info import METADATA_NAME, RunInfo
 
 KINDS = ("ContactForces", "AxleStress", "SimulationState")
 """Messages that make up a run; all others are derived from them."""
-DAMAGE = (McapError, SerdeError, struct.error, ValueError, KeyError, EOFError, RuntimeError)
+DAMAGE = (McapError, SerdeError, ZstdError, struct.error, ValueError, LookupError, MemoryError, OverflowError)
 """What the libraries raise for bytes that are not what they should be."""
 
 

@@ -56,14 +56,14 @@ class BagWriter:
             else:
                 self._folder.mkdir(parents=True)
             self._stream = self._file.open("xb")
-        except FileExistsError as found:
-            taken = self.path if self.path.exists() else found.filename
-            raise InputError(f"{taken} exists already: give another path, or remove it first") from None
         except OSError as reason:
-            raise InputError(
-                f"{self.path} cannot be written ({reason.strerror}): give a path in a folder that can be written"
-            ) from None
-        self._mcap: Any = Writer(self._stream, chunk_size=CHUNK_BYTES)
+            if self.path.exists():
+                refusal = f"{self.path} exists already: give another path, or remove it first"
+            else:
+                why = "not a folder on the way" if isinstance(reason, FileExistsError) else reason.strerror
+                refusal = f"{self.path} cannot be written ({why}): give a path in a folder that can be written"
+            raise InputError(refusal) from None
+        self._mcap: Any = Writer(self._stream, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
         self._mcap.start(profile="ros2", library=f"wheelset_track_sim {__version__}")
         self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
         self._write_folder_metadata()

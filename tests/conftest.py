@@ -1,0 +1,71 @@
+"""Runs made up of plain numbers, for what records and shows runs and does not care where they come from."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from wheelset_track_sim.recording import RunInfo, State
+from wheelset_track_sim.simulation.block import SampleBlock
+
+DX = 1e-3
+NODES = ("A1", "B1", "C1")
+
+
+def block_of_numbers(
+    first_step: int,
+    samples: int,
+    *,
+    time: float = 0.0,
+    speed: float = 27.7777778,
+    revision: int = 0,
+    nodes: tuple[str, ...] = NODES,
+) -> SampleBlock:
+    """Block whose numbers all differ, by step, wheel, node and component; wheel 2 loses contact now and then."""
+    step = np.arange(first_step, first_step + samples, dtype=float)
+    forces = np.stack([98.1e3 + 4e3 * np.sin(step / 95), np.maximum(0.0, 9e4 + 1e5 * np.cos(step / 33))], axis=-1)
+    weights = np.arange(1.0, len(nodes) * 6 + 1).reshape(len(nodes), 6)
+    stresses = 1e6 * weights * np.sin(step / 7)[:, None, None] + 1 / 3
+    return SampleBlock(first_step, time, DX / speed, speed, first_step * DX, revision, forces, stresses, nodes)
+
+
+def state_of_numbers(block: SampleBlock) -> State:
+    return State(
+        first_step=block.first_step,
+        time=block.time,
+        step_period=block.step_period,
+        speed=block.speed,
+        position=block.position,
+        revision=block.revision,
+        axle_load=196200.0,
+        damage=({"wheel": 1, "a": 0.03, "b": 0.024, "h": 0.002, "angle": 0.5, "y": -0.001},),
+        scenario_name="undamaged",
+        scenario=f"name: undamaged  # Ångström\nspeed: {block.speed}\n",
+        digest="0123abcd",
+        real_time_factor=math.inf,
+    )
+
+
+@pytest.fixture
+def make_block() -> Callable[..., SampleBlock]:
+    return block_of_numbers
+
+
+@pytest.fixture
+def make_state() -> Callable[[SampleBlock], State]:
+    return state_of_numbers
+
+
+@pytest.fixture
+def run_info() -> RunInfo:
+    return RunInfo("undamaged", "name: undamaged  # Ångström\nspeed: 27.7777778\n", "0123abcd", 0.6)
+
+
+@pytest.fixture
+def run_blocks() -> list[SampleBlock]:
+    """Three gap-free blocks of different length; the last has another speed and revision."""
+    first = block_of_numbers(0, 1389)
+    second = block_of_numbers(1389, 1, time=1389 * first.step_period)
+    third = block_of_numbers(1390, 700, time=1390 * first.step_period, speed=1e3 / 36, revision=1)
+    return [first, second, third]
