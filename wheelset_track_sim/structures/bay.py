@@ -1,0 +1,182 @@
+"""Finite elements of one bay of a half track: the cell that both the finite track and the ring repeat.
+
+A cell's unknowns are those of its half sleeper, then ``[w, theta]`` of the rail nodes from above its sleeper up to, but
+not including, the next sleeper: ``n`` in all. Its equations reach the cells on both sides::
+
+    (A u)_n = A_0 u_n + A_1 u_{n+1} + A_1^T u_{n-1},     A one of M, C, K.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from ..errors import InputError
+from .timoshenko import element_matrices, local_flexibility, shape_functions
+from .track import Half, Track
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSleeper:
+    """Half a sleeper on ballast with the condition of its half track at the centre: ``K + i omega C - omega^2 M``."""
+
+    mass: Real  # (n, n)
+    damping: Real  # (n, n)
+    stiffness: Real  # (n, n)
+    seat: Real  # (n,) shape functions at the rail seat
+
+    def receptance(self, omega: Real) -> Complex:
+        """Receptance (...,) at the rail seat, m/N, at ``omega`` (rad/s), from the poles of the half sleeper."""
+        n = self.seat.size
+        inverse = np.linalg.inv(self.mass)
+        state = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ self.stiffness, -inverse @ self.damping]])
+        poles, shapes = np.linalg.eig(state)
+        load = np.concatenate([np.zeros(n), inverse @ self.seat])
+        residues = (self.seat @ shapes[:n]) * np.linalg.solve(shapes, load.astype(complex))
+        total = np.zeros(np.shape(omega), dtype=np.complex128)
+        for pole, residue in zip(poles, residues, strict=True):
+            total += residue / (1j * np.asarray(omega) - pole)
+        return total
+
+
+def half_sleeper(track: Track, half: Half) -> HalfSleeper:
+    """Finite elements of the sleeper from its centre (no rotation, or no deflection, there) to its free end.
+
+    The ballast stands at the nodes by tributary length. A rail seat between nodes takes the shape functions there.
+    """
+    sleeper = track.sleeper
+    elements = sleeper.elements // 2
+    length = sleeper.length / sleeper.elements
+    k, m = element_matrices(sleeper, length)
+    size = 2 * (elements + 1)
+    mass, damping, stiffness = np.zeros((3, size, size))
+    share = np.full(elements + 1, length / sleeper.length)
+    share[[0, -1]] /= 2.0
+    for element in range(elements):
+        at = slice(2 * element, 2 * element + 4)
+        stiffness[at, at] += k
+        mass[at, at] += m
+    deflections = np.arange(0, size, 2)
+    stiffness[deflections, deflections] += share * track.ballast.stiffness
+    damping[deflections, deflections] += share * track.ballast.damping
+    seat = np.zeros(size)
+    element = min(int(track.rail_distance / 2.0 / length + 1e-9), elements - 1)
+    s = track.rail_distance / 2.0 / length - element
+    seat[2 * element : 2 * element + 4] = shape_functions(sleeper, length, np.array(s))[0]
+    free = np.delete(np.arange(size), 1 if half == "symmetric" else 0)
+    inner = np.ix_(free, free)
+    return HalfSleeper(mass[inner], damping[inner], stiffness[inner], seat[free])
+
+
+@dataclass(frozen=True, eq=False)
+class Bay:
+    """Matrices of a half track's cell over its own unknowns and the next cell's first rail node: (n + 2, n + 2).
+
+    ``basis`` gives the finite-element unknowns from these; it is the identity unless the cell has been reduced.
+    """
+
+    track: Track
+    mass: Real
+    damping: Real
+    stiffness: Real
+    basis: Real
+    elements: int  # rail elements
+    below: int  # unknowns of the half sleeper; those of the first rail node follow
+
+    @property
+    def size(self) -> int:
+        """Number n of unknowns of a cell."""
+        return int(self.mass.shape[0]) - 2
+
+    def cell(self, local: Real) -> tuple[Real, Real]:
+        """``A_0`` and ``A_1``, each (n, n), of a matrix over the cell and the next cell's first node."""
+        n, first = self.size, slice(self.below, self.below + 2)
+        own, ahead = local[:n, :n].copy(), np.zeros((n, n))
+        own[first, first] += local[n:, n:]
+        ahead[:, first] = local[:n, n:]
+        return own, ahead
+
+    def shapes(self, x: Real) -> tuple[Real, Real]:
+        """Shape functions at ``x`` (m,) in [0, spacing]: rows (m, n) for the own cell and for the next one.
+
+        They give the deflection there from the unknowns, and the unknowns' share of a load there.
+        """
+        x = np.asarray(x, dtype=np.float64)
+        element, s = self._element(x)
+        w, _ = shape_functions(self.track.rail, self.track.spacing / self.elements, s)
+        rows = np.zeros((x.size, self.basis.shape[0]))
+        columns = self.below + 2 * element[:, None] + np.arange(4)
+        np.put_along_axis(rows, columns, w, axis=1)
+        rows = rows @ self.basis
+        ahead = np.zeros((x.size, self.size))
+        ahead[:, self.below : self.below + 2] = rows[:, self.size :]
+        return rows[:, : self.size], ahead
+
+    def local(self, x_load: Real, x_response: Real) -> Real:
+        """Flexibility of a load inside an element, m/N, for positions in the same bay; 0 if not in the same element."""
+        load, s_load = self._element(np.asarray(x_load, dtype=np.float64))
+        response, s_response = self._element(np.asarray(x_response, dtype=np.float64))
+        length = self.track.spacing / self.elements
+        inside = local_flexibility(self.track.rail, length, s_load * length, s_response * length)
+        return np.where(load == response, inside, 0.0)
+
+    def _element(self, x: Real) -> tuple[NDArray[np.int64], Real]:
+        if np.any((x < -1e-9) | (x > self.track.spacing + 1e-9)):
+            raise InputError(f"x is not inside the bay: give positions from 0 to {self.track.spacing:g} m")
+        length = self.track.spacing / self.elements
+        element = np.clip((x / length + 1e-9).astype(np.int64), 0, self.elements - 1)
+        return element, x / length - element
+
+
+def assemble_bay(track: Track, half: Half, elements: int | None = None) -> Bay:
+    """Cell of a half track: the half sleeper, the rail to the next sleeper, pad springs between them.
+
+    ``elements`` is the number of rail elements; left out, it is the track's own.
+    """
+    sleeper = half_sleeper(track, half)
+    count = elements or track.rail.elements_per_bay
+    below = sleeper.seat.size
+    size = below + 2 * count + 2
+    k, m = element_matrices(track.rail, track.spacing / count)
+    mass, damping, stiffness = np.zeros((3, size, size))
+    for element in range(count):
+        at = slice(below + 2 * element, below + 2 * element + 4)
+        stiffness[at, at] += k
+        mass[at, at] += m
+    mass[:below, :below] += sleeper.mass
+    damping[:below, :below] += sleeper.damping
+    stiffness[:below, :below] += sleeper.stiffness
+    across = np.concatenate([-sleeper.seat, [1.0]])  # compression of the pad
+    pad, turn = slice(below + 1), below + 1
+    stiffness[pad, pad] += track.pad.stiffness * np.outer(across, across)
+    damping[pad, pad] += track.pad.damping * np.outer(across, across)
+    stiffness[turn, turn] += track.pad.rotational_stiffness
+    damping[turn, turn] += track.pad.rotational_damping
+    return Bay(track, mass, damping, stiffness, np.eye(size), count, below)
+
+
+def reduce_bay(bay: Bay, modes: int) -> Bay:
+    """Cell with the rail between two sleepers replaced by its static shapes and its lowest ``modes`` modes.
+
+    The rail's ends are held in these modes (R. R. Craig and M. C. C. Bampton, "Coupling of substructures for dynamic
+    analyses", AIAA Journal 6 (1968) 1313-1319), so statics stay as exact as they were.
+    """
+    size = bay.mass.shape[0]
+    inner = np.arange(bay.below + 2, size - 2)
+    border = np.concatenate([np.arange(bay.below + 2), [size - 2, size - 1]])
+    K_ii, M_ii = bay.stiffness[np.ix_(inner, inner)], bay.mass[np.ix_(inner, inner)]
+    _, shapes = eigh(K_ii, M_ii, subset_by_index=(0, modes - 1))
+    static = -np.linalg.solve(K_ii, bay.stiffness[np.ix_(inner, border)])
+    basis = np.zeros((size, bay.below + 2 + modes + 2))
+    kept = np.concatenate([np.arange(bay.below + 2), bay.below + 2 + modes + np.arange(2)])
+    basis[border, kept] = 1.0
+    basis[np.ix_(inner, kept)] = static
+    basis[inner, bay.below + 2 : bay.below + 2 + modes] = shapes
+    mass, damping, stiffness = (basis.T @ a @ basis for a in (bay.mass, bay.damping, bay.stiffness))
+    return replace(bay, mass=mass, damping=damping, stiffness=stiffness, basis=bay.basis @ basis)
