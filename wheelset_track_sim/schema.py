@@ -159,6 +159,9 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
         if data["type"] not in kinds:
             raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
+    plain = [kind for kind in arguments if dataclasses.is_dataclass(kind)]
+    if len(plain) == 1 and isinstance(data, Mapping):
+        return _value(plain[0], data, where)
     for argument in arguments:
         if argument is type(data) or (argument is float and type(data) is int):
             return _value(argument, data, where)

@@ -1,0 +1,109 @@
+"""What a wheelset is: axle, wheels, brake discs, gearbox, axle boxes, suspension, material; read from YAML.
+
+``y`` is the axial coordinate, 0 at the track's centre, positive to the left in the running direction. Wheel 1 is at
+negative y (right), wheel 2 at positive y (left, next to the gearbox). Wheels and brake discs are symmetric about
+y = 0 and given by their distance from it; the axle and the gearbox are given by y itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..schema import quantity, read, unknown
+from ..shipped import load_yaml
+from .wheelset_parts import Axle, AxleBoxes, BrakeDiscs, Checked, Gearbox, Material, Wheel, increasing
+
+
+@dataclass(frozen=True)
+class StressNode:
+    """Point on the top of the axle's surface: where the fillet at the end of ``after`` is stressed most, statically."""
+
+    name: str
+    after: str
+
+
+@dataclass(frozen=True)
+class MeshSize(Checked):
+    """Largest length of element sides."""
+
+    axle: float = quantity("m", 0.005, 0.1, "the element size along the axle", default=0.035)
+    radial: float = quantity("m", 0.005, 0.1, "the mean element size across the axle", default=0.024)
+    fillet: float = quantity("m", 0.001, 0.05, "the element size along the fillets of stress nodes", default=0.004)
+    attached: float = quantity("m", 0.005, 0.1, "the element size in wheels, discs and gearbox", default=0.025)
+
+    def divided(self, by: float) -> MeshSize:
+        """Size of a mesh that is finer by a factor."""
+        return MeshSize(self.axle / by, self.radial / by, self.fillet / by, self.attached / by)
+
+
+@dataclass(frozen=True)
+class Wheelset:
+    """Geometry, material and supports of a wheelset: all that its finite-element model needs. SI units."""
+
+    name: str
+    axle: Axle
+    wheel: Wheel
+    axle_boxes: AxleBoxes
+    material: Material
+    brake_discs: BrakeDiscs | None = None
+    gearbox: Gearbox | None = None
+    stress_nodes: tuple[StressNode, ...] = ()
+    mesh: MeshSize = MeshSize()
+
+    def __post_init__(self) -> None:
+        after = [step.after for step in self.axle.steps()]
+        for node in self.stress_nodes:
+            if node.after not in after:
+                raise InputError(
+                    unknown(
+                        "fillet (section it ends)",
+                        f"stress_nodes.{node.name}.after = {node.after!r}",
+                        node.after,
+                        after,
+                    )
+                )
+        names = [node.name for node in self.stress_nodes]
+        if len(set(names)) < len(names):
+            raise InputError(f"stress_nodes has names {', '.join(names)}: give each a name of its own")
+        for side in (-1, 1):
+            low, high = sorted((side * self.wheel.hub_inner, side * self.wheel.hub_outer))
+            seat = self.axle.section_over(low, high, "wheel hub")
+            increasing("wheel", seat=seat.diameter / 2, hub_radius=self.wheel.hub_radius)
+            middle, half = side * self.axle_boxes.distance, self.axle_boxes.bearing_length / 2
+            self.axle.section_over(middle - half, middle + half, "bearing of the axle box")
+        if self.gearbox:
+            seat = self.axle.section_over(*self.gearbox_ends, "gearbox")
+            increasing("gearbox", seat=seat.diameter / 2, outer_radius=self.gearbox.outer_radius)
+        if self.brake_discs:
+            increasing(
+                "brake_discs",
+                hub_radius=self.wheel.hub_radius,
+                inner_radius=self.brake_discs.inner_radius,
+                outer_radius=self.brake_discs.outer_radius,
+                rim_radius=self.wheel.rim_radius,
+            )
+
+    @property
+    def gearbox_ends(self) -> tuple[float, float]:
+        """First and last y of the gearbox, m."""
+        assert self.gearbox is not None
+        return self.gearbox.y - self.gearbox.length / 2, self.gearbox.y + self.gearbox.length / 2
+
+    @property
+    def contact_positions(self) -> tuple[float, float]:
+        """Nominal contact points of wheels 1 and 2: y, m."""
+        return -self.wheel.contact, self.wheel.contact
+
+
+def load_wheelset(source: str | Path | Mapping[str, Any] | Wheelset) -> Wheelset:
+    """Wheelset from a shipped name, a YAML file, or a mapping of its keys.
+
+    Raises InputError in one line for a name, key or value that cannot be used.
+    """
+    if isinstance(source, Wheelset):
+        return source
+    return read(Wheelset, source if isinstance(source, Mapping) else load_yaml("wheelsets", source), "wheelset")

@@ -1,0 +1,131 @@
+"""Finite-element model of a wheelset for one harmonic: matrices, loads, supports, modes and statics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
+
+from .harmonic_elements import free_unknowns, shape_functions, stiffness_and_mass
+from .section_mesh import RESOLUTION, SectionMesh
+from .wheelset import Wheelset
+
+Real = NDArray[np.float64]
+
+HARMONICS = range(7)
+"""n = 0 to 6: modes of higher n lie above 6 kHz or hardly move the contact points."""
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonic:
+    """Equations of motion of harmonic ``n`` in its free unknowns, without damping."""
+
+    n: int
+    stiffness: sp.csc_array
+    mass: sp.csc_array
+    free: sp.csc_array
+    """(all unknowns, free unknowns)."""
+    contacts: Real
+    """(free unknowns, 2): a unit vertical force on wheel 1, 2; also what reads ``xi_w`` from the unknowns."""
+    boxes: Real
+    """(free unknowns, 2): the same for the axle boxes; zero unless n = 1."""
+
+    def modes(self, max_frequency: float) -> tuple[Real, Real]:
+        """Natural frequencies (modes,) in Hz to ``max_frequency`` and mass-normalised modes (free unknowns, modes).
+
+        The axial rigid motion (n = 0), which no radial force excites, is left out.
+        """
+        shift = -((2 * np.pi * 100.0) ** 2)  # below every mode, so that the shifted matrix is positive definite
+        solver = _factors(self.stiffness - shift * self.mass)
+        size = self.mass.shape[0]
+        inverse = LinearOperator((size, size), matvec=solver.solve, dtype=np.float64)
+        start = np.random.default_rng(0).standard_normal(size)  # a fixed start: the same model gives the same modes
+        count = 24
+        while True:
+            values, shapes = eigsh(self.stiffness, count, self.mass, sigma=shift, OPinv=inverse, v0=start)
+            frequencies = np.sqrt(np.clip(values, 0.0, None)) / (2 * np.pi)
+            if frequencies.max() > max_frequency:
+                break
+            count *= 2
+        order = np.argsort(frequencies)
+        kept = order[(frequencies[order] <= max_frequency) & (frequencies[order] > 0.5)]
+        return frequencies[kept], shapes[:, kept]
+
+    def static(self, forces: Real) -> Real:
+        """Static displacements (free unknowns, cases) under forces (free unknowns, cases)."""
+        stiffness = self.stiffness
+        if self.n == 0:  # Free to move along y: hold one unknown; the forces have no resultant in y.
+            hold = sp.coo_array(([stiffness.diagonal().max()], ([0], [0])), shape=stiffness.shape)
+            stiffness = (stiffness + hold).tocsc()
+        displacements: Real = _factors(stiffness).solve(forces)
+        return displacements
+
+
+def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> Harmonic:
+    """Model of harmonic ``n``; axle boxes and suspension act on n = 1, which alone moves sections of the axle."""
+    free = free_unknowns(mesh, n)
+    stiffness, mass = (free.T @ matrix @ free for matrix in stiffness_and_mass(mesh, wheelset.material, n))
+    boxes = np.zeros((free.shape[1], 2))
+    if n == 1:
+        boxes = free.T @ bearing_displacements(wheelset, mesh)
+        spread = sp.csc_array(boxes)
+        stiffness = stiffness + wheelset.axle_boxes.stiffness * (spread @ spread.T)
+        mass = mass + wheelset.axle_boxes.mass * (spread @ spread.T)
+    contacts = free.T @ contact_displacements(wheelset, mesh)
+    return Harmonic(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes)
+
+
+def contact_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
+    """Vectors (all unknowns, 2) that read ``xi_w`` of wheels 1 and 2 at theta = 0, the lowest point of the tread.
+
+    There ``xi_w`` is upwards and inwards, -u_r, for every n; a force of 1 N enters every harmonic with weight 1.
+    """
+    vectors = np.zeros((3 * len(mesh.points), 2))
+    for wheel, y in enumerate(wheelset.contact_positions):
+        nodes, weights = _on_surface(mesh, wheelset.wheel.rolling_radius, y, y)
+        np.add.at(vectors[:, wheel], 3 * nodes, -weights)
+    return vectors
+
+
+def bearing_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
+    """Vectors (all unknowns, 2) that read the mean upward displacement of the bearing surfaces (n = 1).
+
+    Around the section, the mean of u_r cos(theta) - u_theta sin(theta) is (U_r - U_theta) / 2, downwards.
+    """
+    vectors = np.zeros((3 * len(mesh.points), 2))
+    boxes = wheelset.axle_boxes
+    for box, side in enumerate((-1, 1)):
+        low, high = (side * boxes.distance + end * boxes.bearing_length / 2 for end in (-1, 1))
+        radius = wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2
+        nodes, weights = _on_surface(mesh, radius, low, high)
+        np.add.at(vectors[:, box], 3 * nodes, -weights / 2)
+        np.add.at(vectors[:, box], 3 * nodes + 2, weights / 2)
+    return vectors
+
+
+def _on_surface(mesh: SectionMesh, radius: float, low: float, high: float) -> tuple[NDArray[np.int64], Real]:
+    """Nodes and weights of the mean over ``low`` to ``high`` in y (or the value at one y) on a cylinder."""
+    line = np.flatnonzero(np.abs(mesh.points[:, 1] - radius) < RESOLUTION)
+    inside: list[tuple[NDArray[np.int64], Real]] = []
+    sides = mesh.elements[:, [[0, 4, 1], [1, 5, 2], [2, 6, 3], [3, 7, 0]]].reshape(-1, 3)
+    for side in sides[np.isin(sides, line).all(axis=1)]:
+        start, end = mesh.points[side[0], 0], mesh.points[side[2], 0]
+        first, last = min(start, end), max(start, end)
+        if first - RESOLUTION <= low and high <= last + RESOLUTION and low == high:
+            xi = 2 * (low - start) / (end - start) - 1
+            values, _ = shape_functions(np.array([[xi, -1.0]]))
+            return side, values[0, [0, 4, 1]]
+        if low - RESOLUTION <= first and last <= high + RESOLUTION:
+            inside.append((side, np.array([1.0, 4.0, 1.0]) / 6 * (last - first) / (high - low)))
+    if not inside:
+        raise ValueError(f"no element sides on radius {radius:g} m from y = {low:g} to {high:g} m")
+    return np.concatenate([side for side, _ in inside]), np.concatenate([weights for _, weights in inside])
+
+
+def _factors(matrix: sp.csc_array) -> SuperLU:
+    """Factors of a symmetric positive definite matrix."""
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
