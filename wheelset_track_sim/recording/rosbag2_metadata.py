@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from ..yaml12 import dump
 from .definitions import full_name, type_hash
 
 VERSION = 9
@@ -47,7 +46,7 @@ def quality_of_service(topic: Topic) -> list[dict[str, Any]]:
 def channel_metadata(topic: Topic) -> dict[str, str]:
     """Metadata of a topic's MCAP channel."""
     return {
-        "offered_qos_profiles": yaml.safe_dump(quality_of_service(topic), sort_keys=False).strip(),
+        "offered_qos_profiles": dump(quality_of_service(topic)).strip(),
         "topic_type_hash": type_hash(topic.kind),
     }
 
@@ -86,5 +85,5 @@ def write_folder_metadata(folder: Path, file: Path, topics: Sequence[Topic], fir
         "ros_distro": "jazzy",
     }
     temporary = folder / "metadata.yaml.tmp"
-    temporary.write_text(yaml.safe_dump({"rosbag2_bagfile_information": information}, sort_keys=False), "utf-8")
+    temporary.write_text(dump({"rosbag2_bagfile_information": information}), "utf-8")
     temporary.replace(folder / "metadata.yaml")
