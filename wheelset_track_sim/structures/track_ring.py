@@ -34,9 +34,10 @@ from numpy.typing import ArrayLike, NDArray
 from .. import cache
 from ..errors import InputError
 from . import bay as bay_module
-from . import timoshenko
+from . import ring_modes, timoshenko
 from . import track as track_module
-from .bay import Bay, assemble_bay, reduce_bay
+from .bay import assemble_bay, reduce_bay
+from .ring_modes import RingModes, bloch_modes, counting, real_form, response_level, static_compliance, thinned
 from .track import HALVES, Half, Track
 
 if TYPE_CHECKING:
@@ -160,7 +161,7 @@ def track_ring(
             halves.append(_half_ring(track, half, steps, bays, max_frequency, tolerance, part))
         return TrackRing(halves[0], halves[1], track.spacing, dx, bays, max_frequency)
 
-    sources = [sys.modules[__name__], bay_module, timoshenko, track_module]
+    sources = [sys.modules[__name__], bay_module, ring_modes, timoshenko, track_module]
     key = cache.digest([track, dx, bays, max_frequency, tolerance], *sources)
     return cache.cached("track", TrackRing, key, build)
 
@@ -184,92 +185,20 @@ def _half_ring(
     parts = []
     for index in range(bays // 2 + 1):
         kappa = 2.0 * np.pi * index / (bays * track.spacing)
-        modes = _bloch_modes(bay, shapes, x, kappa, limit)
         own_mirror = 2 * index in (0, bays)  # kappa and -kappa are the same wave
-        static += _compliance(plain, plain_shapes, kappa) * (1.0 if own_mirror else 2.0) / bays
-        parts.append(_real_form(modes, own_mirror, bays))
+        static += static_compliance(plain, plain_shapes, kappa) * (1.0 if own_mirror else 2.0) / bays
+        parts.append(real_form(bloch_modes(bay, shapes, x, kappa, limit), own_mirror, bays))
         report((index + 1) / (bays // 2 + 1))
-    poles, wavenumbers, inputs, outputs = (np.concatenate([part[i] for part in parts], axis=-1) for i in range(4))
-    kept = _kept(poles, inputs, outputs, static, limit, tolerance)
-    poles, wavenumbers, inputs, outputs = poles[kept], wavenumbers[kept], inputs[:, kept], outputs[:, kept]
-    residual = static + np.sum(inputs * outputs / poles, axis=1).real
-    return HalfRing(poles, wavenumbers, np.ascontiguousarray(inputs), np.ascontiguousarray(outputs), residual)
-
-
-Kept = NDArray[np.bool_]
-_Modes = tuple[Complex, Real, Complex, Complex]
-
-
-def _periodic(bay: Bay, local: Real, phase: complex) -> Complex:
-    """Matrix (n, n) of a wave that changes by ``phase`` from one bay to the next."""
-    own, ahead = bay.cell(local)
-    matrix: Complex = own + ahead * phase + ahead.T / phase
-    return matrix
-
-
-def _compliance(bay: Bay, shapes: tuple[Real, Real], kappa: float) -> Real:
-    """Static compliance (nb,) m/N of a wavenumber; its mean over all wavenumbers is that at one point of the ring."""
-    phase = np.exp(1j * kappa * bay.track.spacing)
-    rows = shapes[0] + shapes[1] * phase
-    compliance: Real = np.sum(
-        rows.T * np.linalg.solve(_periodic(bay, bay.stiffness, phase), rows.conj().T), axis=0
-    ).real
-    return compliance
-
-
-def _bloch_modes(bay: Bay, shapes: tuple[Real, Real], x: Real, kappa: float, limit: float) -> _Modes:
-    """Modes with ``|lambda| < limit`` at a wavenumber: poles, wavenumbers (P,), input and output (nb, P).
-
-    Left eigenvectors are the rows of the inverse of the matrix of right ones, which also holds where eigenvalues
-    coincide, as they do at both ends of the zone.
-    """
-    n = bay.size
-    phase = np.exp(1j * kappa * bay.track.spacing)
-    M, C, K = (_periodic(bay, local, phase) for local in (bay.mass, bay.damping, bay.stiffness))
-    scale = np.sqrt(np.linalg.norm(K) / np.linalg.norm(M))  # velocities in the size of deflections
-    system = np.block([[np.zeros((n, n)), scale * np.eye(n)], [-np.linalg.solve(M, K) / scale, -np.linalg.solve(M, C)]])
-    poles, right = np.linalg.eig(system)
-    left = np.linalg.inv(right)
-    low = np.abs(poles) < limit
-    rows = shapes[0] + shapes[1] * phase
-    along = np.exp(1j * kappa * x)[:, None]
-    inputs = (left[low, n:] @ np.linalg.solve(M, rows.conj().T)).T / scale * along
-    outputs = (rows @ right[:n, low]) / along
-    return poles[low], np.full(low.sum(), kappa), inputs, outputs
-
-
-def _real_form(modes: _Modes, own_mirror: bool, bays: int) -> _Modes:
-    """Modes whose real part is the whole response: those of ``-kappa`` are the conjugates of those of ``kappa``."""
-    poles, wavenumbers, inputs, outputs = modes
-    weight = np.full(poles.size, 2.0 / bays)
-    if own_mirror:
-        real = np.abs(poles.imag) <= 1e-9 * np.abs(poles)
-        weight[real] = 1.0 / bays
-        kept = real | (poles.imag > 0.0)
-        poles, wavenumbers, weight = poles[kept], wavenumbers[kept], weight[kept]
-        inputs, outputs = inputs[:, kept], outputs[:, kept]
-    turn = poles.imag < 0.0
-    poles = np.where(turn, poles.conj(), poles)
-    wavenumbers = np.where(turn, -wavenumbers, wavenumbers)
-    return poles, wavenumbers, np.where(turn, inputs.conj(), inputs), np.where(turn, outputs.conj(), outputs) * weight
-
-
-def _kept(poles: Complex, inputs: Complex, outputs: Complex, static: Real, limit: float, tolerance: float) -> Kept:
-    """Modes (P,) that count: those left out together change the receptance by less than ``tolerance``.
-
-    Measured in the lower half of the band, against the root mean square of the direct receptance over the bay. The
-    static part of a mode is not lost, so what counts of it is ``i omega / (lambda (i omega - lambda))``.
-    """
-    omega = np.linspace(0.0, limit / 2.0, 251)[:, None]
-    dynamic = omega / (poles * (1j * omega - poles))
-    mirrored = omega / (poles.conj() * (1j * omega - poles.conj()))
-    sample = slice(None, None, max(1, static.size // 24))
-    gain = inputs[sample] * outputs[sample]
-    direct = static[sample] + 0.5j * (dynamic @ gain.T + mirrored @ gain.conj().T)
-    level = np.sqrt(np.mean(np.abs(direct) ** 2, axis=1))[:, None]
-    bound = np.abs(inputs).max(axis=0) * np.abs(outputs).max(axis=0)
-    share = bound * (np.abs(dynamic) + np.abs(mirrored)) / 2.0 / level
-    order = np.argsort(share.max(axis=0))
-    kept = np.empty(poles.size, dtype=bool)
-    kept[order] = np.cumsum(share[:, order], axis=1).max(axis=0) > tolerance
-    return kept
+    modes = RingModes(*(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)))
+    omega: Real = np.linspace(0.0, limit / 2.0, 251)
+    level = response_level(modes, static, omega)
+    modes = thinned(modes, bays, track.spacing, omega, level, tolerance)
+    modes = modes.at(counting(modes, omega, level, tolerance))
+    residual = static + np.sum(modes.input * modes.output / modes.poles, axis=1).real
+    return HalfRing(
+        modes.poles,
+        modes.wavenumbers,
+        np.ascontiguousarray(modes.input),
+        np.ascontiguousarray(modes.output),
+        residual,
+    )
