@@ -97,7 +97,8 @@ def _node(arguments: list[str]) -> int:
         raise InputError(
             f"the node needs ROS 2 Jazzy, and {missing.name} is not there: run make setup, or source the installation"
         ) from None
-    return node(arguments)
+    status: int = node(arguments)
+    return status
 
 
 if __name__ == "__main__":

@@ -42,4 +42,4 @@ def run(
             xi[row, 1, wheel] += compliance * force
         stresses(dynamics, forces[row], stress[row])
         advance(dynamics, step, forces[row])
-    return forces.shape[0]
+    return len(forces)

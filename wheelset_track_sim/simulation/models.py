@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 from .. import __version__
 from ..cache import digest
-from ..contact.law import ContactGeometry, build_contact_law
+from ..contact.law import build_contact_law
 from ..contact.law_kernels import ContactLaw
+from ..contact.profiles import ContactGeometry
 from ..errors import InputError
 from ..irregularities import Breakout
 from ..scenario import Scenario
-from ..structures.reduced_wheelset import reduced_wheelset
 from ..structures.track import Track, load_track
 from ..structures.track_ring import track_ring
 from ..structures.wheelset import Wheelset, load_wheelset
+from ..structures.wheelset_reduction import reduced_wheelset
 from .causal import CausalModel, causal_model
 
 Progress = Callable[[str, float], None]
@@ -41,7 +43,11 @@ class Models:
         if not irregularities and self._smooth is not None:
             return self._smooth
         law = build_contact_law(
-            irregularities, self.geometry, self.step_length, self.steps_per_revolution, progress=progress
+            irregularities,
+            self.geometry,
+            self.step_length,
+            self.steps_per_revolution,
+            progress=None if progress is None else partial(progress, "contact tables"),
         )
         if not irregularities:
             self._smooth = law
@@ -68,7 +74,7 @@ def load_models(scenario: Scenario, progress: Progress | None = None) -> Models:
         wheelset=wheelset,
         track=track,
         dynamics=causal_model(reduced, ring, scenario.output.stress_nodes),
-        geometry=ContactGeometry(rolling_radius=reduced.rolling_radius),
+        geometry=ContactGeometry(wheel_radius=reduced.rolling_radius),
         step_length=dx,
         steps_per_revolution=round(2 * math.pi * reduced.rolling_radius / dx),
         tread_origin=round(scenario.reference_position / dx),

@@ -9,20 +9,22 @@ from ..contact.law_kernels import ContactLaw
 
 
 def touched(before: ContactLaw, after: ContactLaw) -> NDArray[np.bool_]:
-    """Tread positions (n,) at which the two laws differ for some wheel within the potential contact area."""
-    changed = np.any(before.tread != after.tread, axis=(0, 2))
-    reach = before.separation.shape[0] // 2
-    wide = np.zeros_like(changed)
+    """Tread positions (n,) with an irregularity of either law in the potential contact area of either wheel."""
+    rough: NDArray[np.bool_] = before.tread.any(axis=(0, 2)) | after.tread.any(axis=(0, 2))
+    reach = max(len(before.x), len(after.x)) // 2
+    wide = np.zeros_like(rough)
     for offset in range(-reach, reach + 1):
-        wide |= np.roll(changed, offset)
+        wide |= np.roll(rough, offset)
     return wide
 
 
 def first_clear_step(before: ContactLaw, after: ContactLaw, earliest: int, tread_origin: int) -> int:
-    """First step from ``earliest`` on at which nothing that changes is in a contact patch.
+    """First step from ``earliest`` on at which ``after`` can take the place of ``before``: no irregularity in a patch.
 
     If that never happens in a turn of the wheel, the change cannot wait for it and ``earliest`` is the answer.
     """
+    if after is before:
+        return earliest
     blocked = touched(before, after)
     turn = np.arange(earliest, earliest + len(blocked))
     clear = np.flatnonzero(~blocked[(turn - tread_origin) % len(blocked)])

@@ -132,7 +132,8 @@ class Simulator:
         for field in dataclasses.fields(Scenario):
             if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
-        law = self._models.contact_law(scenario.irregularities)
+        same = scenario.irregularities == current.irregularities
+        law = self._newest_law() if same else self._models.contact_law(scenario.irregularities)
         return self._enqueue(None, scenario, law)
 
     def advance(self, steps: int) -> SampleBlock:
@@ -168,7 +169,12 @@ class Simulator:
 
     def _preload_for(self, scenario: Scenario) -> np.ndarray:
         smooth = self._models.contact_law(())
-        return self._models.dynamics.preload(scenario.wheel_load) + approach_for_force(smooth, scenario.wheel_load)
+        load = scenario.wheel_load
+        return self._models.dynamics.preload(load) + approach_for_force(smooth, 0, 0, 0, load)
+
+    def _newest_law(self) -> ContactLaw:
+        with self._lock:
+            return self._queue[-1].law if self._queue else self._law
 
     def _enqueue(self, number: int | None, scenario: Scenario, law: ContactLaw) -> Revision:
         preload = self._preload_for(scenario)

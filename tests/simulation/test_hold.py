@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from wheelset_track_sim.simulation.hold import hold_coefficients
+
+DT = 36e-6
+
+
+def by_quadrature(pole: complex, weight) -> complex:
+    def integrand(tau: float) -> complex:
+        return np.exp(pole * (DT - tau)) * weight(tau / DT)
+
+    parts = [quad(lambda tau, f=f: f(integrand(tau)), 0.0, DT, epsabs=0.0, epsrel=1e-12)[0] for f in (np.real, np.imag)]
+    return complex(*parts)
+
+
+@pytest.mark.parametrize("pole", [-1e-6 + 0j, -300 + 900j, -900 - 31000j, -14000 + 0j, -5e4 + 2e4j, -1000 + 13888j])
+def test_weights_are_the_integrals_of_the_hold(pole: complex) -> None:
+    b0, b1 = hold_coefficients(np.array([pole]), DT)
+    assert b0[0] == pytest.approx(by_quadrature(pole, lambda s: 1 - s), rel=1e-9)
+    assert b1[0] == pytest.approx(by_quadrature(pole, lambda s: s), rel=1e-9)
+
+
+def test_series_and_closed_form_meet() -> None:
+    """A jump where they meet would show against the slope on either side."""
+    angles = np.linspace(0, 2 * np.pi, 17)
+    below, above = (hold_coefficients(radius * np.exp(1j * angles) / DT, DT) for radius in (0.5 - 1e-9, 0.5 + 1e-9))
+    for low, high in zip(below, above, strict=True):
+        np.testing.assert_allclose(low, high, rtol=5e-9)
+
+
+def test_a_pole_at_rest_gives_the_trapezoidal_rule() -> None:
+    b0, b1 = hold_coefficients(np.array([0.0, -1e-300]), DT)
+    np.testing.assert_array_equal(b0, DT / 2)
+    np.testing.assert_array_equal(b1, DT / 2)
+
+
+def test_a_ramp_is_followed_exactly_at_any_step_length() -> None:
+    """q' = lambda q + g0 + c t has a closed solution; twenty steps must land on it."""
+    pole, g0, c = -200 + 3000j, 2.0, -7e3
+    for dt in (1e-8, 1e-5, 1e-3):
+        a = np.exp(pole * dt)
+        b0, b1 = (weight[0] for weight in hold_coefficients(np.array([pole]), dt))
+        q, t = 0j, 0.0
+        for step in range(20):
+            t = (step + 1) * dt
+            q = a * q + b0 * (g0 + c * (t - dt)) + b1 * (g0 + c * t)
+        exact = (g0 / pole + c / pole**2) * (np.exp(pole * t) - 1) - c * t / pole
+        assert q == pytest.approx(exact, rel=1e-6)

@@ -1,0 +1,120 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from conftest import advance_to
+
+from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.simulation.simulator import Revision, Simulator
+
+
+@pytest.mark.parametrize("chunk", [1, 32])
+def test_any_chunk_length_gives_the_same_bits(damaged: Simulator, chunk: int) -> None:
+    reference = advance_to(damaged, 2 * 1389)
+    other = advance_to(Simulator(load_scenario("damage_wheel_1")), 2 * 1389, chunk)
+    for name in ("forces", "stresses"):
+        expected = np.concatenate([getattr(block, name) for block in reference])
+        assert np.array_equal(np.concatenate([getattr(block, name) for block in other]), expected)
+    assert expected.std() > 0
+
+
+def test_a_change_on_the_way_keeps_the_bits_too() -> None:
+    runs = []
+    for chunk in (1389, 37):
+        simulator = Simulator(load_scenario("damage_wheel_1"))
+        advance_to(simulator, 1000, chunk)
+        faster = dataclasses.replace(simulator.scenario, speed=simulator.speed * 1.01)
+        assert simulator.apply(faster) == Revision(1, 1000)
+        runs.append(np.concatenate([block.forces for block in advance_to(simulator, 3000, chunk)]))
+    assert np.array_equal(*runs)
+
+
+def test_blocks_follow_without_gap(damaged: Simulator) -> None:
+    blocks = [damaged.advance(count) for count in (5, 1, 700)]
+    assert [block.first_step for block in blocks] == [0, 5, 6]
+    assert blocks[2].time == 6 * damaged.step_period
+    assert blocks[2].position == pytest.approx(6e-3)
+    assert not blocks[0].forces.flags.writeable
+    assert blocks[0].stresses.shape == (5, 3, 6)
+
+
+def test_contact_is_lost_and_regained(damaged: Simulator) -> None:
+    force = np.concatenate([block.forces for block in advance_to(damaged, 2713)])[:, 0]
+    lost = np.flatnonzero(force == 0)
+    assert len(lost) > 10
+    assert np.all(np.diff(lost) < 20)
+    assert 1770 < lost[0] < 1830  # the defect is centred on 1.8 m
+    assert force[lost[-1] :].max() > 2.5 * 98.1e3
+    assert force[:1700].min() > 90e3
+    assert force.min() == 0
+
+
+def test_a_defect_comes_into_force_when_it_is_not_in_the_patch(smooth: Simulator) -> None:
+    advance_to(smooth, 1790)
+    damaged = load_scenario("damage_wheel_1")
+    revision = smooth.apply(damaged)
+    assert revision.number == 1
+    assert 1830 < revision.step < 1900
+    before = smooth.advance(1000)
+    assert before.revision == 0
+    assert before.first_step + len(before) == revision.step
+    after = smooth.advance(10)
+    assert (after.revision, after.first_step) == (1, revision.step)
+    assert smooth.in_force == damaged
+    second = np.concatenate([block.forces for block in advance_to(smooth, 1800 + 2713 + 100)])[:, 0]
+    assert second.min() == 0
+
+
+def test_changes_in_a_row_keep_their_order(smooth: Simulator) -> None:
+    first = smooth.apply(dataclasses.replace(smooth.scenario, axle_load=190e3))
+    second = smooth.apply(dataclasses.replace(smooth.scenario, speed=30.0))
+    assert (first.number, second.number) == (1, 2)
+    assert smooth.scenario.axle_load == 190e3
+    assert smooth.scenario.speed == 30.0
+    block = smooth.advance(10)
+    assert (block.revision, block.speed) == (2, 30.0)
+
+
+@pytest.mark.parametrize("change", [{"track": "other"}, {"step_length": 5e-4}, {"wheelset": "other"}])
+def test_what_cannot_change_is_refused_and_the_run_goes_on(smooth: Simulator, change: dict[str, object]) -> None:
+    expected = Simulator(smooth.scenario).advance(20).forces
+    with pytest.raises(InputError, match=f"{next(iter(change))} cannot change"):
+        smooth.apply(dataclasses.replace(smooth.scenario, **change))  # type: ignore[arg-type]
+    assert smooth.revision == 0
+    assert np.array_equal(smooth.advance(20).forces, expected)
+
+
+def test_force_is_continuous_through_a_change_of_speed(smooth: Simulator) -> None:
+    steady = np.concatenate([block.forces for block in advance_to(smooth, 900)])[:, 0]
+    smooth.apply(dataclasses.replace(smooth.scenario, speed=smooth.speed * 1.02))
+    through = np.concatenate([block.forces for block in advance_to(smooth, 1150)])[:, 0]
+    joined = np.concatenate([steady, through])
+    assert abs(joined[900] - 2 * joined[899] + joined[898]) < np.abs(np.diff(steady[601:], n=2)).max()
+    assert np.abs(np.diff(through)).max() < np.abs(np.diff(steady[601:])).max()
+
+
+def test_a_plateau_equals_the_run_at_constant_speed() -> None:
+    spacing = 600
+    settled = 40 * spacing * 3
+    changed = Simulator(load_scenario("undamaged", ["speed=30"]))
+    advance_to(changed, 10 * spacing)
+    changed.apply(dataclasses.replace(changed.scenario, speed=25.0))
+    constant = Simulator(load_scenario("undamaged", ["speed=25"]))
+    ends = []
+    for simulator in (changed, constant):
+        advance_to(simulator, settled)
+        ends.append(simulator.advance(spacing).forces)
+    assert np.abs(ends[0] - ends[1]).max() < 20.0
+
+
+def test_the_mean_force_is_the_static_load(damaged: Simulator) -> None:
+    turns = 40  # momentum: whatever happens in between, the suspension carries the static load
+    force = np.concatenate([block.forces for block in advance_to(damaged, turns * 2713)])[10 * 2713 :]
+    assert force.mean(axis=0) == pytest.approx([98.1e3, 98.1e3], rel=5e-3)
+
+
+def test_unknown_stress_nodes_are_refused() -> None:
+    scenario = load_scenario("undamaged", ["output.stress_nodes=[A1, Z9]"])
+    with pytest.raises(InputError, match="Z9"):
+        Simulator(scenario)
