@@ -57,8 +57,13 @@ class Recording:
     @cached_property
     def summary(self) -> Summary:
         """Forces and stresses of the whole run in scalars."""
-        cuts = np.flatnonzero(np.diff(self.step_period)) + 1
-        parts = [slice(int(first), int(end)) for first, end in pairwise([0, *cuts, len(self)])]
+        return self.summary_of(slice(0, len(self)))
+
+    def summary_of(self, part: slice) -> Summary:
+        """Forces and stresses of some consecutive samples in scalars."""
+        start, stop, _ = part.indices(len(self))
+        cuts = start + 1 + np.flatnonzero(np.diff(self.step_period[start:stop]))
+        parts = [slice(int(first), int(end)) for first, end in pairwise([start, *cuts, stop])]
         return combine(summarise(self._block(part), self.max_principal[part]) for part in parts)
 
     def _block(self, part: slice) -> SampleBlock:

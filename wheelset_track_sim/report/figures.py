@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..recording import Recording
-from .table import description, scenario_of
+from .table import Comparison, comparison, description, scenario_of
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""
@@ -35,14 +35,14 @@ BINS = 900
 
 
 def plot_run(recording: Recording, path: Path) -> Path:
-    """Write one picture (PNG) of the run around its largest contact force: forces on top, stresses below.
+    """Write one picture (PNG) of the part of a run to look at closely: forces on top, stresses below.
 
     Raises InputError if the path cannot be written.
     """
     with rc_context(STYLE):
         figure = Figure(figsize=(9.6, 6.4), dpi=125, layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True)
-        around = detail(recording)
+        around = detail(recording, comparison(recording))
         draw_forces(top, recording, around)
         draw_stresses(bottom, recording, around)
         top.set_xlabel("")
@@ -57,12 +57,16 @@ def plot_run(recording: Recording, path: Path) -> Path:
     return path
 
 
-def detail(recording: Recording) -> slice:
-    """Samples around the largest contact force; the whole run if it is no longer than that."""
-    position = recording.position
-    length = BEFORE + AFTER
+def detail(recording: Recording, compared: Comparison | None) -> slice:
+    """Samples to look at closely: the passage that the paper prints, or else those around the largest contact force.
+
+    The whole run if it is not much longer than that.
+    """
+    position, length = recording.position, BEFORE + AFTER
     if position[-1] - position[0] <= 1.5 * length:
         return slice(0, len(recording))
+    if compared:
+        return compared.passage
     peak = position[int(recording.forces.max(axis=1).argmax())]
     first = min(max(peak - BEFORE, position[0]), position[-1] - length)
     start, stop = np.searchsorted(position, [first, first + length])

@@ -12,12 +12,17 @@ from matplotlib.axes import Axes
 from ..errors import InputError
 from ..recording import Recording
 from .figures import detail, draw_forces, draw_stresses, svg
-from .table import case_of, description, rows
+from .table import Comparison, comparison, description, headings, rows, source
 
 Draw = Callable[[Axes, Recording, slice], None]
 
 WIDE, NARROW = (9.0, 3.3), (4.0, 3.1)
 """Size of a figure on a laptop and on a phone, inches: text stays legible on both."""
+
+PAPER = (
+    "M. Maglio, A. Pieringer, J. C. O. Nielsen, T. Vernersson, “Wheel–rail impact loads and axle bending stress "
+    "simulated for generic distributions and shapes of discrete wheel tread damage”."
+)
 
 STYLE = """
 :root { color-scheme: light; }
@@ -27,6 +32,7 @@ h1 { font-size: 1.6rem; margin: 0 0 .25rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
 p { margin: .25rem 0 .75rem; }
 .quiet { color: #5a5a5f; font-size: .9rem; }
+div.scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { padding: .35rem .5rem; border-bottom: 1px solid #e3e3e6; text-align: right; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; white-space: normal; padding-left: 0; }
@@ -39,7 +45,7 @@ pre { overflow-x: auto; background: #f6f6f7; padding: .8rem 1rem; border-radius:
   font-size: .85rem; line-height: 1.4; }
 @media (max-width: 40rem) {
   body { padding: 1rem .75rem 3rem; font-size: 15px; }
-  th, td { padding: .3rem .25rem; font-size: .85rem; }
+  th, td { padding: .3rem .2rem; font-size: .78rem; }
   figure .wide { display: none; }
   figure .narrow { display: block; }
 }
@@ -74,38 +80,32 @@ def write_report(recording: Recording, out: Path) -> Path:
 
 
 def _sections(recording: Recording) -> Iterator[str]:
-    yield _table(recording)
-    around, whole = detail(recording), slice(0, len(recording))
-    part = around != whole
-    heading = "Around the largest contact force" if part else "Along the track"
-    yield f"<h2>{heading}</h2>"
-    yield _figure(recording, draw_forces, around, "Contact forces of both wheels")
-    yield _figure(recording, draw_stresses, around, "Maximum principal stress at the nodes of the axle")
-    if part:
-        yield '<h2>The whole run</h2><p class="quiet">Bands between minimum and maximum.</p>'
-        yield _figure(recording, draw_forces, whole, "Contact forces over the whole run")
-        yield _figure(recording, draw_stresses, whole, "Maximum principal stress over the whole run")
+    compared = comparison(recording)
+    yield _table(recording, compared)
+    around, whole = detail(recording, compared), slice(0, len(recording))
+    if around != whole:
+        yield f"<h2>{'The passage that the paper prints' if compared else 'Around the largest contact force'}</h2>"
+        yield _figure(recording, draw_forces, around, "Contact forces of both wheels")
+        yield _figure(recording, draw_stresses, around, "Maximum principal stress at the nodes of the axle")
+    yield "<h2>The whole run</h2>"
+    yield _figure(recording, draw_forces, whole, "Contact forces over the whole run")
+    yield _figure(recording, draw_stresses, whole, "Maximum principal stress over the whole run")
     yield _changes(recording)
     yield _origin(recording)
 
 
-def _table(recording: Recording) -> str:
-    case = case_of(recording)
-    head = "<th></th><th>this run</th>" + ("<th>paper</th><th>difference</th>" if case else "")
+def _table(recording: Recording, compared: Comparison | None) -> str:
+    titles = headings(compared)
+    head = "".join(f"<th>{title}</th>" for title in ("", *titles))
     lines, unit = [], ""
-    for row in rows(recording):
-        cells = [row.label, row.shown, *((row.paper_shown, row.difference) if case else ())]
+    for row in rows(recording, compared):
+        cells = (row.label, *row.cells()[: len(titles)])
         first = ' class="first"' if unit and row.unit != unit else ""
         lines.append(f"<tr{first}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>")
         unit = row.unit
-    note = ""
-    if case:
-        note = (
-            f'<p class="quiet">Paper: {escape(case.source)} (M. Maglio, A. Pieringer, J. C. O. Nielsen, T. Vernersson, '
-            "“Wheel–rail impact loads and axle bending stress simulated for generic distributions and shapes of "
-            "discrete wheel tread damage”). No parameter is fitted to it.</p>"
-        )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>{note}"
+    note = f'<p class="quiet">{escape(source(compared))} {PAPER}</p>' if compared else ""
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+    return f'<div class="scroll">{table}</div>{note}'
 
 
 def _figure(recording: Recording, draw: Draw, part: slice, title: str) -> str:

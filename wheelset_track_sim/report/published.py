@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import nan
 from typing import Any
 
 from ..irregularities import Breakout
 from ..scenario import Scenario
+from ..simulation.summary import NodeStress, Summary, WheelLoad
 
 SPEED = 100 / 3.6
 """m/s, Section 5."""
@@ -20,33 +22,31 @@ SIZE_C = {"a": 0.030, "b": 0.024, "h": 0.002}
 
 @dataclass(frozen=True)
 class LoadCase:
-    """One line of Table 3, with what Section 5.1 adds to it. Forces in N, stresses in Pa."""
+    """One line of Table 3, with what Section 5.1 adds to it."""
 
     source: str
     irregularities: tuple[Any, ...]
-    max_force: tuple[float, float]
-    """Wheel 1 and wheel 2."""
-    max_principal: Mapping[str, float]
-    """Maximum principal stress by node."""
-    min_force: tuple[float, float] = (math.nan, math.nan)
-    """NaN where the paper prints none."""
-    min_principal: Mapping[str, float] = field(default_factory=dict)
+    printed: Summary
+    """The paper's figures in N and Pa; NaN where it prints none."""
+
+
+def _printed(wheels: Iterable[tuple[float, float]], nodes: Mapping[str, tuple[float, float]]) -> Summary:
+    """Summary from (largest, smallest) force of each wheel in kN and (largest, smallest) stress of each node in MPa."""
+    wheel_1, wheel_2 = (WheelLoad(1e3 * high, 1e3 * low, nan, nan, nan) for high, low in wheels)
+    stresses = tuple(NodeStress(name, 1e6 * high, 1e6 * low) for name, (high, low) in nodes.items())
+    return Summary(0, (wheel_1, wheel_2), stresses)
 
 
 CASES = (
     LoadCase(
         source="Table 3, no damage",
         irregularities=(),
-        max_force=(131e3, 128e3),
-        max_principal={"A1": 69.3e6, "B1": 66.6e6, "C1": 61.8e6},
+        printed=_printed([(131, nan), (128, nan)], {"A1": (69.3, nan), "B1": (66.6, nan), "C1": (61.8, nan)}),
     ),
     LoadCase(
         source="Table 3, damage on wheel 1; minima from Section 5.1",
         irregularities=(Breakout(on="wheel_1", **SIZE_C),),
-        max_force=(358e3, 133e3),
-        max_principal={"A1": 93.7e6, "B1": 85.4e6, "C1": 88.1e6},
-        min_force=(0.0, math.nan),
-        min_principal={"A1": 38.3e6},
+        printed=_printed([(358, 0), (133, nan)], {"A1": (93.7, 38.3), "B1": (85.4, nan), "C1": (88.1, nan)}),
     ),
 )
 

@@ -5,38 +5,55 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 from rich.table import Table
 
 from ..errors import InputError
 from ..recording import Recording
 from ..scenario import Scenario, scenario_from
+from ..simulation.summary import Summary
 from ..yaml12 import parse
 from .published import LoadCase, published_case
+
+BAYS = 3
+"""Length of the passage, from one sleeper bay before the damage meets the rail."""
+ROUNDING = 1e-6
+"""Far below a step and far above the rounding of a position, m."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One figure of a run in the unit that people use, beside the paper's; NaN where the paper has none."""
+    """One figure in the unit that people use: of the whole run, of the passage that the paper prints, of the paper."""
 
     label: str
     unit: str
-    value: float
+    run: float
+    passage: float = math.nan
+    """NaN if the run is none of the paper's load cases."""
     paper: float = math.nan
+    """NaN where the paper prints none."""
 
-    @property
-    def shown(self) -> str:
-        """Value with unit."""
-        return f"{self.value:.{2 if self.unit == 'ms' else 1}f} {self.unit}"
+    def cells(self) -> tuple[str, str, str, str]:
+        """Run, passage, paper and the difference of these two as text; empty where there is nothing."""
+        digits = 2 if self.unit == "ms" else 1
+        run, passage = (
+            "" if math.isnan(value) else f"{value:.{digits}f} {self.unit}" for value in (self.run, self.passage)
+        )
+        paper = "" if math.isnan(self.paper) else f"{self.paper:g} {self.unit}"
+        difference = f"{100 * (self.passage / self.paper - 1):+.1f} %" if self.paper > 0 else ""
+        return run, passage, paper, difference
 
-    @property
-    def paper_shown(self) -> str:
-        """The paper's value with unit, as printed there; empty if there is none."""
-        return "" if math.isnan(self.paper) else f"{self.paper:g} {self.unit}"
 
-    @property
-    def difference(self) -> str:
-        """Difference to the paper in percent; empty if there is nothing to compare."""
-        return f"{100 * (self.value / self.paper - 1):+.1f} %" if self.paper > 0 else ""
+@dataclass(frozen=True)
+class Comparison:
+    """A load case that the paper prints, and the samples of a run that are this case."""
+
+    case: LoadCase
+    passage: slice
+    start: float
+    """Of the passage, m."""
+    end: float
+    """Of the passage, m; the run may be shorter."""
 
 
 def scenario_of(recording: Recording) -> Scenario | None:
@@ -47,33 +64,45 @@ def scenario_of(recording: Recording) -> Scenario | None:
         return None
 
 
-def case_of(recording: Recording) -> LoadCase | None:
-    """The paper's load case that a run is; None as soon as anything was changed on the way."""
-    scenario = scenario_of(recording)
-    changed = bool(recording.revision.any())
-    return None if scenario is None or changed else published_case(scenario)
+def comparison(recording: Recording) -> Comparison | None:
+    """What of a run the paper prints; None if it is another case, or was changed on the way.
+
+    The paper's damage meets the rail once, above a sleeper, and its maxima are those of three sleeper bays (Section
+    5.4). In a longer run the damage comes back at other places of the bay; these passages are not the paper's case.
+    """
+    scenario, spacing = scenario_of(recording), recording.info.sleeper_spacing
+    case = published_case(scenario) if scenario and not recording.revision.any() else None
+    if scenario is None or case is None or math.isnan(spacing):
+        return None
+    first, reached = scenario.reference_position - spacing, scenario.reference_position + spacing
+    if recording.position[0] > first + ROUNDING or recording.position[-1] < reached - ROUNDING:
+        return None
+    last = first + BAYS * spacing
+    start, stop = np.searchsorted(recording.position, [first - ROUNDING, last - ROUNDING])
+    return Comparison(case, slice(int(start), int(stop)), first, last)
 
 
-def rows(recording: Recording) -> list[Row]:
-    """Figures of a whole run, beside the paper's if it is one of the load cases that the paper prints."""
-    case, summary = case_of(recording), recording.summary
-    high, low = (case.max_force, case.min_force) if case else ((math.nan, math.nan), (math.nan, math.nan))
-    most, least = (case.max_principal, case.min_principal) if case else ({}, {})
-    found = []
-    for index, load in enumerate(summary.wheels):
-        name = f"Contact force wheel {index + 1}"
-        found += [
-            Row(f"{name}, highest", "kN", load.max_force / 1e3, high[index] / 1e3),
-            Row(f"{name}, lowest", "kN", load.min_force / 1e3, low[index] / 1e3),
-        ]
-    for index, load in enumerate(summary.wheels):
-        found.append(Row(f"Time without contact wheel {index + 1}", "ms", load.contact_loss * 1e3))
+def rows(recording: Recording, compared: Comparison | None) -> list[Row]:
+    """Figures of a run, beside the paper's if there is something to compare."""
+    passage = _figures(recording.summary_of(compared.passage)) if compared else {}
+    printed = _figures(compared.case.printed) if compared else {}
+    return [
+        Row(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
+        for (label, unit), value in _figures(recording.summary).items()
+    ]
+
+
+def _figures(summary: Summary) -> dict[tuple[str, str], float]:
+    """Values of a summary by label and unit, in the order of the rows."""
+    found: dict[tuple[str, str], float] = {}
+    for index, load in enumerate(summary.wheels, start=1):
+        found[f"Contact force wheel {index}, max", "kN"] = load.max_force / 1e3
+        found[f"Contact force wheel {index}, min", "kN"] = load.min_force / 1e3
+    for index, load in enumerate(summary.wheels, start=1):
+        found[f"Time without contact wheel {index}", "ms"] = load.contact_loss * 1e3
     for node in summary.nodes:
-        name = f"Maximum principal stress {node.name}"
-        found += [
-            Row(f"{name}, highest", "MPa", node.max_principal / 1e6, most.get(node.name, math.nan) / 1e6),
-            Row(f"{name}, lowest", "MPa", node.min_principal / 1e6, least.get(node.name, math.nan) / 1e6),
-        ]
+        found[f"Max. principal stress {node.name}, max", "MPa"] = node.max_principal / 1e6
+        found[f"Max. principal stress {node.name}, min", "MPa"] = node.min_principal / 1e6
     return found
 
 
@@ -87,21 +116,32 @@ def description(recording: Recording) -> str:
     return f"{speed}{load}, {recording.step_period.sum():.4g} s, {len(recording) * dx:.4g} m, {len(recording)} steps"
 
 
+def headings(compared: Comparison | None) -> tuple[str, ...]:
+    """Headings of the columns that a table needs: those of ``Row.cells``, or only the first."""
+    return ("whole run", "passage", "paper", "difference") if compared else ("whole run",)
+
+
+def source(compared: Comparison) -> str:
+    """What the figures of the paper are, and what of the run stands beside them."""
+    return (
+        f"Passage: {compared.start:.4g} to {compared.end:.4g} m, where angle 0 of the treads first meets the rail, "
+        f"above a sleeper. Paper: {compared.case.source}."
+    )
+
+
 def summary_table(recording: Recording) -> Table:
     """Table of a run for the terminal; the paper's figures stand beside it where the paper prints them."""
-    case = case_of(recording)
+    compared = comparison(recording)
     table = Table(title=f"{recording.info.scenario_name}\n{description(recording)}", title_justify="left", min_width=72)
     table.add_column("")
-    table.add_column("this run", justify="right")
-    if case:
-        table.add_column("paper", justify="right")
-        table.add_column("difference", justify="right")
-        table.caption = f"paper: {case.source}"
-        table.caption_justify = "left"
+    for heading in headings(compared):
+        table.add_column(heading, justify="right")
+    if compared:
+        table.caption, table.caption_justify = source(compared), "left"
     unit = ""
-    for row in rows(recording):
+    for row in rows(recording, compared):
         if unit and row.unit != unit:
             table.add_section()
         unit = row.unit
-        table.add_row(row.label, row.shown, *((row.paper_shown, row.difference) if case else ()))
+        table.add_row(row.label, *row.cells()[: len(headings(compared))])
     return table

@@ -1,0 +1,104 @@
+import io
+import math
+
+import pytest
+from rich.console import Console
+
+from wheelset_track_sim.report import summary_table
+from wheelset_track_sim.report.table import comparison, description, rows
+
+
+def by_label(recording):
+    return {row.label: row for row in rows(recording, comparison(recording))}
+
+
+def text_of(recording) -> str:
+    out = io.StringIO()
+    Console(file=out, width=120).print(summary_table(recording))
+    return out.getvalue()
+
+
+def test_a_published_case_stands_beside_the_paper(make_recording):
+    found = by_label(make_recording("damage_wheel_1", spikes=[(1.8, 300e3), (4.5, 320e3)]))
+    force = found["Contact force wheel 1, max"]
+    assert (force.run, force.passage, force.paper) == (320.0, 300.0, 358.0)
+    assert force.cells() == ("320.0 kN", "300.0 kN", "358 kN", "-16.2 %")
+    assert found["Contact force wheel 1, min"].cells() == ("0.0 kN", "0.0 kN", "0 kN", "")
+    lost = found["Time without contact wheel 1"]
+    assert lost.run == pytest.approx(2 * 0.036, rel=1e-6)
+    assert lost.passage == pytest.approx(0.036, rel=1e-6)
+    stress = found["Max. principal stress C1, max"]
+    assert (stress.run, stress.paper) == (pytest.approx(40.0), pytest.approx(88.1))
+
+
+def test_undamaged_figures(make_recording):
+    found = by_label(make_recording("undamaged"))
+    printed = {label: row.paper for label, row in found.items() if not math.isnan(row.paper)}
+    assert printed == pytest.approx(
+        {
+            "Contact force wheel 1, max": 131,
+            "Contact force wheel 2, max": 128,
+            "Max. principal stress A1, max": 69.3,
+            "Max. principal stress B1, max": 66.6,
+            "Max. principal stress C1, max": 61.8,
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("scenario", "changes"),
+    [
+        ("damage_wheel_2", []),
+        ("damage_both", []),
+        ("damage_wheel_1", ["irregularities.0.h=0.001"]),
+        ("damage_wheel_1", ["irregularities.0.angle=0.1"]),
+        ("undamaged", ["speed=30"]),
+        ("undamaged", ["axle_load=150000"]),
+    ],
+)
+def test_what_the_paper_does_not_print_stands_alone(make_recording, scenario, changes):
+    recording = make_recording(scenario, changes, name="damage_wheel_1")
+    assert comparison(recording) is None
+    assert all(math.isnan(row.paper) for row in rows(recording, None))
+    assert "paper" not in text_of(recording)
+
+
+def test_content_counts_and_not_the_name(make_recording):
+    assert comparison(make_recording("undamaged", ["name=mine"])) is not None
+
+
+def test_a_changed_run_is_not_the_case(make_recording):
+    assert comparison(make_recording("undamaged", revision_from=5000)) is None
+
+
+@pytest.mark.parametrize(("length", "compared"), [(1.0, False), (2.3, False), (2.4, True), (2.712, True), (9.0, True)])
+def test_the_passage_must_be_in_the_run(make_recording, length, compared):
+    found = comparison(make_recording("undamaged", length=length))
+    assert (found is not None) == compared
+
+
+def test_the_passage_is_three_bays(make_recording):
+    recording = make_recording("undamaged")
+    passage = recording.position[comparison(recording).passage]
+    assert passage[0] == pytest.approx(1.2, abs=1e-9)
+    assert len(passage) == pytest.approx(1800, abs=1)
+
+
+def test_a_bag_without_scenario_has_a_table(make_recording, monkeypatch):
+    recording = make_recording("undamaged", spacing=math.nan)
+    object.__setattr__(recording, "info", type(recording.info)("unknown", "", "", math.nan, {}))
+    assert comparison(recording) is None
+    assert "100.0 kN" in text_of(recording)
+
+
+def test_terminal_table_reads_well(make_recording):
+    text = text_of(make_recording("damage_wheel_1", spikes=[(1.8, 300e3)]))
+    assert "100 km/h, axle load 20 t, causal dynamics" in text
+    for part in ("300.0 kN", "358 kN", "-16.2 %", "60.0 MPa", "93.7 MPa", "Table 3", "1.2 to 3 m"):
+        assert part in text
+
+
+def test_a_range_of_speeds_is_told(make_recording):
+    recording = make_recording("undamaged")
+    recording.speed[3000:] = 30.0
+    assert description(recording).startswith("100 to 108 km/h")
