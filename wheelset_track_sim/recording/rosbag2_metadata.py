@@ -12,8 +12,12 @@ from .definitions import full_name, type_hash
 
 VERSION = 9
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
+DEPTH = 10
+"""Messages kept for a subscriber that is slow; a latched topic keeps the last."""
 LATCHED_TOPICS = {"state"}
 """Topics that a late subscriber gets the last message of (transient local)."""
+DEPTH = 50
+"""Messages of a topic kept for a slow subscriber."""
 
 
 @dataclass
@@ -31,7 +35,7 @@ def quality_of_service(topic: Topic) -> list[dict[str, Any]]:
     return [
         {
             "history": "keep_last",
-            "depth": 1 if topic.latched else 10,
+            "depth": 1 if topic.latched else DEPTH,
             "reliability": "reliable",
             "durability": "transient_local" if topic.latched else "volatile",
             "deadline": dict(FOREVER),

@@ -46,6 +46,9 @@ pre { overflow-x: auto; background: #f6f6f7; padding: .8rem 1rem; border-radius:
 @media (max-width: 40rem) {
   body { padding: 1rem .75rem 3rem; font-size: 15px; }
   th, td { padding: .3rem .2rem; font-size: .78rem; }
+  table.compared tr { display: grid; grid-template-columns: repeat(4, 1fr); border-bottom: 1px solid #e3e3e6; }
+  table.compared th, table.compared td { border: 0; }
+  table.compared :is(th, td):first-child { grid-column: 1 / -1; padding-bottom: 0; font-weight: 600; }
   figure .wide { display: none; }
   figure .narrow { display: block; }
 }
@@ -104,7 +107,8 @@ def _table(recording: Recording, compared: Comparison | None) -> str:
         lines.append(f"<tr{first}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>")
         unit = row.unit
     note = f'<p class="quiet">{escape(source(compared))} {PAPER}</p>' if compared else ""
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+    kind = "compared" if compared else "alone"
+    table = f'<table class="{kind}"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
     return f'<div class="scroll">{table}</div>{note}'
 
 
