@@ -18,6 +18,7 @@ DX, CHUNK = 1e-3, 0.05
 
 
 def run(seconds: float, speed: float) -> list[SampleBlock]:
+    """Blocks of 50 ms at a speed in m/s."""
     rng = np.random.default_rng(1)
     dt = DX / speed
     length = round(CHUNK / dt)
@@ -34,6 +35,7 @@ def run(seconds: float, speed: float) -> list[SampleBlock]:
 
 
 def main(seconds: float = 20.0, kmh: float = 100.0) -> None:
+    """Write, read, print."""
     made = run(seconds, kmh / 3.6)
     numbers = sum(block.forces.nbytes + block.stresses.nbytes for block in made)
     with tempfile.TemporaryDirectory() as folder:
