@@ -11,12 +11,17 @@ from typing import Any, Literal
 from .cache import digest
 from .errors import InputError
 from .irregularities import Breakout
-from .schema import check, quantity, read
+from .schema import Quantity, check, quantity, read
 from .shipped import load_yaml
 from .yaml12 import dump, parse
 
 Wheel = Literal["wheel_1", "wheel_2"]
 WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
+
+BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
+
+LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
+"""Variants of each dynamics at lag zero, the default first."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,8 @@ class Scenario:
     name: str
     speed: float = quantity("m/s", 5.0, 100.0, "the running speed")
     axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together")
-    dynamics: Literal["causal"] = "causal"
+    dynamics: Literal["causal", "paper"] = "causal"
+    """``causal``: modal state space, which streams; ``paper``: Green's functions as printed, the reference."""
     wheelset: Any = "x40"
     """Name of a shipped wheelset, path of a file, or a mapping."""
     track: Any = "ballasted_60e1"
@@ -45,10 +51,28 @@ class Scenario:
     )
     step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
 
+    max_frequency: float | None = None
+    """Band limit, Hz: of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
+    6000 of the wheelset and 5000 of the track)."""
+    lag_zero: Literal["default", "residual", "wheel_residual", "printed", "zero", "folded"] = "default"
+    """What a force displaces at its own instant; ``docs/validation.md`` compares them.
+
+    ``causal``: ``residual`` (default) is the rail's static residual, ``wheel_residual`` adds the wheelset's, ``zero``
+    has neither. ``paper``: ``printed`` (default) is the first rail value of Eq. (3), ``zero`` leaves it out, ``folded``
+    folds what the band limit puts before t = 0 onto t > 0.
+    """
+
     def __post_init__(self) -> None:
         check(self)
         if not self.name:
             raise InputError("name is empty: give the scenario a name")
+        if self.max_frequency is not None:
+            refusal = BAND.refusal("max_frequency", self.max_frequency)
+            if refusal:
+                raise InputError(refusal)
+        known = LAG_ZERO[self.dynamics]
+        if self.lag_zero not in ("default", *known):
+            raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
 
     @property
     def wheel_load(self) -> float:
@@ -59,6 +83,11 @@ class Scenario:
     def step_period(self) -> float:
         """Time of one step, s: ``dt = dx / v``."""
         return self.step_length / self.speed
+
+    @property
+    def at_lag_zero(self) -> str:
+        """The variant at lag zero, the default named."""
+        return LAG_ZERO[self.dynamics][0] if self.lag_zero == "default" else self.lag_zero
 
     def to_mapping(self) -> dict[str, Any]:
         """Plain mapping that ``scenario_from`` turns into an equal scenario."""

@@ -24,7 +24,7 @@ def parse(text: str, where: str) -> Any:
 def dump(value: Any) -> str:
     """A plain value as YAML text; ``parse`` gives it back, floats bit by bit."""
     out = StringIO()
-    yaml = YAML(typ="safe", pure=True)
+    yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = False
     yaml.sort_base_mapping_type_on_output = False
     yaml.dump(value, out)

@@ -11,6 +11,7 @@ lag zero from one wheel to the other is left out: no wave crosses axle or sleepe
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -41,6 +42,7 @@ class CausalModel:
     track_input: Complex  # (L, Q)
     track_output: Complex  # (L, Q)
     track_residual: Real  # (L, 2) m/N of the symmetric and the antisymmetric half
+    wheel_residual: Real  # (2,) m/N of the wheels
     symmetric: int
     stress_output: Complex  # (S, P)
     stress_feedthrough: Real  # (S, 2)
@@ -52,34 +54,37 @@ class CausalModel:
         wheels = -(wheelset.outputs * (wheelset.inputs.sum(axis=1) / wheelset.poles)).real.sum(axis=1)
         even = slice(0, self.symmetric)
         rail = -(self.track_output[:, even] * self.track_input[:, even] / self.track_poles[even]).real.sum(axis=1)
-        displacement: Real = (wheels + (rail + self.track_residual[:, 0]).mean()) * wheel_load
+        displacement: Real = (wheels + self.wheel_residual + (rail + self.track_residual[:, 0]).mean()) * wheel_load
         return displacement
 
-    def at_rest(self, wheel_load: float, step: int, dt: float, speed: float) -> tuple[Real, Real]:
-        """States (2, P) and (2, Q) of wheelset and track under ``wheel_load`` N standing on both wheels at ``step``."""
-        poles = self.wheelset.poles
+    def start(self, wheel_load: float, step: int, dx: float, speed: float) -> Causal:
+        """Dynamics at ``speed`` m/s and in equilibrium with ``wheel_load`` N standing on both wheels at ``step``."""
+        poles, dt = self.wheelset.poles, dx / speed
         load = self.wheelset.inputs.sum(axis=1) * wheel_load
         wheel = -load / poles - hold_coefficients(poles, dt)[1] * load
         load = self.track_input[step % len(self.track_input)] * wheel_load
         load[self.symmetric :] = 0
         moving = self.track_poles + 1j * self.track_wavenumbers * speed
         track = -load / self.track_poles - hold_coefficients(moving, dt)[1] * load
-        return _parts(wheel), _parts(track)
+        return self._at(_parts(wheel), _parts(track), dx, speed, speed)
 
-    def dynamics(self, dx: float, speed: float, wheel_state: Real, track_state: Real, behind: float = 0.0) -> Causal:
-        """Dynamics at ``speed`` m/s with steps of ``dx`` m from given states, which are stepped in place.
+    def at_speed(self, dynamics: Causal, dx: float, speed: float, behind: float) -> Causal:
+        """Dynamics at another ``speed`` m/s, with the state of ``dynamics``, which is stepped in place.
 
         For the one step at which the speed changes, ``behind`` is the speed with which that step was reached: what
         its own force displaces belongs to the interval behind it, everything else to the one ahead.
         """
+        return self._at(dynamics.wheel_state, dynamics.track_state, dx, speed, behind)
+
+    def _at(self, wheel_state: Real, track_state: Real, dx: float, speed: float, behind: float) -> Causal:
         poles = self.wheelset.poles
-        a, c, b1 = _coefficients(poles, poles, dx, speed, behind or speed)
+        a, c, b1 = _coefficients(poles, poles, dx, speed, behind)
         outputs, inputs = self.wheelset.outputs, self.wheelset.inputs
-        wheel_compliance = (outputs * b1 * inputs.T).real.sum(axis=1)
+        wheel_compliance = (outputs * b1 * inputs.T).real.sum(axis=1) + self.wheel_residual
         stress_direct = (self.stress_output @ (b1[:, np.newaxis] * inputs)).real + self.stress_feedthrough
         ahead = self.track_poles + 1j * self.track_wavenumbers * speed
-        back = self.track_poles + 1j * self.track_wavenumbers * (behind or speed)
-        track_a, track_c, track_b1 = _coefficients(ahead, back, dx, speed, behind or speed)
+        back = self.track_poles + 1j * self.track_wavenumbers * behind
+        track_a, track_c, track_b1 = _coefficients(ahead, back, dx, speed, behind)
         at_once = (self.track_output * track_b1 * self.track_input).real
         halves = np.stack([at_once[:, : self.symmetric].sum(axis=1), at_once[:, self.symmetric :].sum(axis=1)], axis=1)
         rail_compliance = (halves + self.track_residual).mean(axis=1)
@@ -100,32 +105,55 @@ class CausalModel:
         )
 
 
-def causal_model(wheelset: ReducedWheelset, track: TrackRing, nodes: Sequence[str]) -> CausalModel:
-    """Join the reduced models; raises InputError for a stress node that the wheelset does not have."""
-    for index, node in enumerate(nodes):
-        if node not in wheelset.node_names:
-            where = f"output.stress_nodes.{index} = {node!r}"
-            raise InputError(unknown("stress node of this wheelset", where, node, wheelset.node_names))
-    rows = [wheelset.node_names.index(node) for node in nodes]
+def causal_model(wheelset: ReducedWheelset, track: TrackRing, nodes: Sequence[str], lag_zero: str) -> CausalModel:
+    """Join the reduced models; raises InputError for a stress node that the wheelset does not have.
+
+    ``lag_zero`` is a variant of ``scenario.LAG_ZERO``: which residuals displace the contacts at the force's instant.
+    """
+    rows, kept = stress_rows(wheelset, nodes)
     modes = len(wheelset.poles)
-    stress = wheelset.stress_outputs[rows].reshape(-1, modes)
-    feedthrough = wheelset.stress_feedthrough[rows].reshape(-1, 2)
-    size = np.abs(stress).max(axis=1, initial=0.0) * np.abs(wheelset.inputs).max() + np.abs(feedthrough).max(
-        axis=1, initial=0.0
-    )
-    kept = np.flatnonzero(size > 1e-9 * size.max(initial=0.0))  # the others are zero by symmetry
     halves = (track.symmetric, track.antisymmetric)
+    residual = np.stack([half.residual for half in halves], axis=1)
+    own = np.diag(wheelset.displacement_residual)
     return CausalModel(
         wheelset=wheelset,
         track_poles=np.concatenate([half.poles for half in halves]),
         track_wavenumbers=np.concatenate([half.wavenumbers for half in halves]),
         track_input=np.concatenate([half.input for half in halves], axis=1),
         track_output=np.concatenate([half.output for half in halves], axis=1),
-        track_residual=np.stack([half.residual for half in halves], axis=1),
+        track_residual=np.zeros_like(residual) if lag_zero == "zero" else residual,
+        wheel_residual=own if lag_zero == "wheel_residual" else np.zeros_like(own),
         symmetric=len(track.symmetric.poles),
-        stress_output=stress[kept],
-        stress_feedthrough=feedthrough[kept],
+        stress_output=wheelset.stress_outputs[rows].reshape(-1, modes)[kept],
+        stress_feedthrough=wheelset.stress_feedthrough[rows].reshape(-1, 2)[kept],
         stress_rows=kept,
+    )
+
+
+def stress_rows(wheelset: ReducedWheelset, nodes: Sequence[str]) -> tuple[list[int], NDArray[np.intp]]:
+    """Indices of stress nodes, and which of their components, (nodes, 6) flattened, are not zero by symmetry."""
+    for index, node in enumerate(nodes):
+        if node not in wheelset.node_names:
+            where = f"output.stress_nodes.{index} = {node!r}"
+            raise InputError(unknown("stress node of this wheelset", where, node, wheelset.node_names))
+    rows = [wheelset.node_names.index(node) for node in nodes]
+    shapes = np.abs(wheelset.stress_outputs[rows]).max(axis=-1, initial=0.0) * np.abs(wheelset.inputs).max()
+    size = (shapes + np.abs(wheelset.stress_feedthrough[rows]).max(axis=-1, initial=0.0)).ravel()
+    return rows, np.flatnonzero(size > 1e-9 * size.max(initial=0.0))
+
+
+def truncated(wheelset: ReducedWheelset, max_frequency: float) -> ReducedWheelset:
+    """Reduced wheelset without the modes above ``max_frequency`` Hz; what they deflect and stress statically stays."""
+    kept = wheelset.frequencies <= max_frequency
+    left_out = wheelset.inputs[~kept] / wheelset.poles[~kept, np.newaxis]
+    return dataclasses.replace(
+        wheelset,
+        poles=wheelset.poles[kept],
+        inputs=wheelset.inputs[kept],
+        outputs=wheelset.outputs[:, kept],
+        stress_outputs=wheelset.stress_outputs[..., kept],
+        stress_feedthrough=wheelset.stress_feedthrough - (wheelset.stress_outputs[..., ~kept] @ left_out).real,
+        displacement_residual=wheelset.displacement_residual - (wheelset.outputs[:, ~kept] @ left_out).real,
     )
 
 

@@ -16,10 +16,10 @@ from ..errors import InputError
 from ..irregularities import Breakout
 from ..scenario import Scenario
 from ..structures.track import Track, load_track
-from ..structures.track_ring import track_ring
+from ..structures.track_ring import MAX_FREQUENCY, track_ring
 from ..structures.wheelset import Wheelset, load_wheelset
 from ..structures.wheelset_reduction import reduced_wheelset
-from .causal import CausalModel, causal_model
+from .causal import CausalModel, causal_model, truncated
 
 Progress = Callable[[str, float], None]
 
@@ -69,11 +69,14 @@ def load_models(scenario: Scenario, progress: Progress | None = None) -> Models:
             f"give {track.spacing / math.ceil(bay):g} m"
         )
     reduced = reduced_wheelset(wheelset, progress=progress)
-    ring = track_ring(track, dx, progress=progress)
+    band = scenario.max_frequency
+    if band is not None:
+        reduced = truncated(reduced, band)
+    ring = track_ring(track, dx, max_frequency=min(band or MAX_FREQUENCY, MAX_FREQUENCY), progress=progress)
     return Models(
         wheelset=wheelset,
         track=track,
-        dynamics=causal_model(reduced, ring, scenario.output.stress_nodes),
+        dynamics=causal_model(reduced, ring, scenario.output.stress_nodes, scenario.at_lag_zero),
         geometry=ContactGeometry(wheel_radius=reduced.rolling_radius),
         step_length=dx,
         steps_per_revolution=round(2 * math.pi * reduced.rolling_radius / dx),

@@ -10,9 +10,9 @@ from ..contact.law_kernels import ContactLaw
 
 def touched(before: ContactLaw, after: ContactLaw) -> NDArray[np.bool_]:
     """Tread positions (n,) with an irregularity of either law in the potential contact area of either wheel."""
-    rough: NDArray[np.bool_] = before.tread.any(axis=(0, 2)) | after.tread.any(axis=(0, 2))
+    rough = np.asarray(before.tread.any(axis=(0, 2)) | after.tread.any(axis=(0, 2)))
     reach = max(len(before.x), len(after.x)) // 2
-    wide = np.zeros_like(rough)
+    wide = np.zeros(len(rough), dtype=np.bool_)
     for offset in range(-reach, reach + 1):
         wide |= np.roll(rough, offset)
     return wide

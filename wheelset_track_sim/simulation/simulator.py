@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..contact.law import approach_for_force
+from ..contact.law import ContactPatch, approach_for_force, solve_patch
 from ..contact.law_kernels import ContactLaw
 from ..errors import ContactError, InputError
 from ..scenario import Scenario
@@ -63,9 +64,8 @@ class Simulator:
         self._next = -round(SETTLING / scenario.step_period)
         self._base = (0, 0.0)  # a step and its time, from which the time adds up
         load, speed = scenario.wheel_load, scenario.speed
-        self._state = self._models.dynamics.at_rest(load, self._next, scenario.step_period, speed)
         self._speed_behind = self._dynamics_speed = speed
-        self._dynamics = self._models.dynamics.dynamics(scenario.step_length, speed, *self._state)
+        self._dynamics = self._models.dynamics.start(load, self._next, scenario.step_length, speed)
         self._horizon = 0
         self._run(-self._next)
         self._enqueue(0, scenario, self._models.contact_law(scenario.irregularities, progress))
@@ -121,6 +121,17 @@ class Simulator:
     def digest(self) -> str:
         """Digest of the scenario and of the models that it runs on."""
         return self._models.digest(self.scenario)
+
+    @property
+    def displacements(self) -> NDArray[np.float64]:
+        """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
+        return self._xi
+
+    def contact_patch(self, wheel: int, row: int) -> ContactPatch:
+        """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block, solved for its pressure."""
+        step = self._next - len(self._xi) + row
+        approach = self._preload[wheel] - self._xi[row, :, wheel].sum()
+        return solve_patch(self._law, wheel, step - self._models.tread_origin, step, approach)
 
     def apply(self, scenario: Scenario) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
@@ -228,6 +239,7 @@ class Simulator:
                 if done == 0:
                     self._refuse(forces, xi)
                 break
+        self._xi = xi[:done]
         stresses = np.zeros((done, len(self._scenario.output.stress_nodes) * len(COMPONENTS)))
         stresses[:, model.stress_rows] = stress[:done]
         return forces[:done], stresses.reshape(done, -1, len(COMPONENTS))
@@ -240,7 +252,7 @@ class Simulator:
         changes = speed != self._dynamics_speed
         self._speed_behind = self._dynamics_speed if changes else speed
         self._dynamics_speed = speed
-        self._dynamics = self._models.dynamics.dynamics(dx, speed, *self._state, behind=self._speed_behind)
+        self._dynamics = self._models.dynamics.at_speed(self._dynamics, dx, speed, self._speed_behind)
         return done + 1 if changes else stop
 
     def _refuse(self, forces: np.ndarray, xi: np.ndarray) -> None:
