@@ -24,11 +24,18 @@ RELATIVE_TOLERANCE = 1e-11
 
 @kernel
 def pair(influence: NDArray[np.float64], mirrored: bool, centre: int, i: int, j: int, I: int, J: int) -> float:  # noqa: E741
-    """Influence of unit pressure on element (I, J) at element (i, j), m/Pa; with ``mirrored`` the mean with its image."""
-    direct = influence[abs(i - I), abs(j - J)]
+    """Influence of unit pressure on element (I, J) at (i, j), m/Pa; with ``mirrored`` the mean with its image."""
+    direct: float = influence[abs(i - I), abs(j - J)]
     if mirrored:
-        return 0.5 * (direct + influence[abs(i - I), j + J - 2 * centre])
+        image: float = influence[abs(i - I), j + J - 2 * centre]
+        return 0.5 * (direct + image)
     return direct
+
+
+@kernel
+def at_border(nx: int, ny: int, mirrored: bool, i: int, j: int) -> bool:
+    """Whether element (i, j) lies at the border of the potential contact area."""
+    return i == 0 or i == nx - 1 or j == ny - 1 or (j == 0 and not mirrored)
 
 
 @kernel
@@ -142,11 +149,16 @@ def solve_active_set(
     if mirrored:
         weight[at_j != centre] = 2.0
     active = np.empty(m, np.bool_)
+    # Hertz: the edge of the contact lies where the undeformed separation is half the approach.
+    edge = 0.5 * (gap.min() + approach)
     for a in range(m):
         active[a] = in_contact[at_i[a], at_j[a]]
+        if gap[a] <= edge and at_border(nx, ny, mirrored, at_i[a], at_j[a]):
+            # Far too deep for the area: no need to solve for thousands of elements to find out.
+            in_contact[:] = False
+            return np.nan, np.nan, AT_BORDER
     if not active.any():
-        # Hertz: the edge of the contact lies where the undeformed separation is half the approach.
-        active[:] = gap <= 0.5 * (gap.min() + approach)
+        active[:] = gap <= edge
     tolerance = RELATIVE_TOLERANCE * (approach - gap.min())
     force, stiffness, status = np.nan, np.nan, NOT_CONVERGED
     for iteration in range(MOST_ITERATIONS):
@@ -160,9 +172,7 @@ def solve_active_set(
             load[a] = weight[c] * (approach - gap[c])
             for b in range(a, n):
                 d = chosen[b]
-                K[a, b] = (
-                    weight[c] * weight[d] * pair(influence, mirrored, centre, at_i[c], at_j[c], at_i[d], at_j[d])
-                )
+                K[a, b] = weight[c] * weight[d] * pair(influence, mirrored, centre, at_i[c], at_j[c], at_i[d], at_j[d])
         if not cholesky(K):
             status = NOT_FINITE
             break
@@ -216,7 +226,7 @@ def solve_active_set(
         for a in range(len(chosen)):
             i, j = at_i[chosen[a]], at_j[chosen[a]]
             in_contact[i, j] = True
-            if i == 0 or i == nx - 1 or j == ny - 1 or (j == 0 and not mirrored):
+            if at_border(nx, ny, mirrored, i, j):
                 status = AT_BORDER
             if mirrored:
                 in_contact[i, 2 * centre - j] = True

@@ -54,7 +54,7 @@ def contact_grid(
     half_x = int(np.sqrt(reach * (2 * geometry.wheel_radius - reach)) / dx) + 1
     on_head = np.arange(int(geometry.head.half_width / dy * (1 + 1e-12)) + 1)
     half_y = min(int((geometry.head.drop(on_head * dy) < reach).sum()), int(on_head[-1]))
-    return np.arange(-half_x, half_x + 1) * dx, np.arange(-half_y, half_y + 1) * dy
+    return _spaced(half_x, dx), _spaced(half_y, dy)
 
 
 def build_contact_law(
@@ -75,7 +75,11 @@ def build_contact_law(
     every step. ``progress`` is told the share done.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
-    for name, value, low, high in (("dx", dx, 1e-4, 5e-3), ("dy", dy, 1e-4, 5e-3), ("largest_force", largest_force, 1e3, 2e6)):
+    for name, value, low, high in (
+        ("dx", dx, 1e-4, 5e-3),
+        ("dy", dy, 1e-4, 5e-3),
+        ("largest_force", largest_force, 1e3, 2e6),
+    ):
         if not low <= value <= high:
             raise InputError(f"{name} = {value:g} is out of range: give a value from {low:g} to {high:g} (SI units)")
     if not n_c >= 100:
@@ -83,11 +87,12 @@ def build_contact_law(
 
     # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
     head = int(geometry.head.half_width / dy * (1 + 1e-12))
-    wide = np.arange(-head, head + 1) * dy
+    wide = _spaced(head, dy)
     tread = np.stack([tread_heights(irregularities, wheel, n_c, dx, wide) for wheel in WHEELS])
     # A crown of the smaller radius needs a larger approach for the same force; so does a tread lowered all over.
     sharper = HertzContact(geometry.wheel_radius, min(geometry.head.radii[:2]), geometry.contact_modulus)
-    reach = sharper.approach(largest_force) + tread.max() - tread.min()
+    smooth_reach = sharper.approach(largest_force)
+    reach = smooth_reach + tread.max() - tread.min()
     x, y = contact_grid(geometry, dx, dy, reach)
     if len(x) > n_c:
         raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
@@ -99,7 +104,7 @@ def build_contact_law(
     table = np.full((2, n_c), -1, np.int32)
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
     if tables:
-        placed = windows(tread, separation, reach)
+        placed = windows(tread, separation, smooth_reach)
         stored = force_tables(placed.heights, separation, influence, dx * dy, largest_force, progress)
         table, first, points = placed.number, stored.first, stored.points
     return ContactLaw(
@@ -119,13 +124,17 @@ def build_contact_law(
     )
 
 
+def _spaced(half: int, step: float) -> NDArray[np.float64]:
+    return np.arange(-half, half + 1, dtype=np.float64) * step
+
+
 def _mirrored_within(tread: NDArray[np.float64], nx: int) -> NDArray[np.bool_]:
     """Whether all rows within nx // 2 of each row are symmetric about the middle, (2, n_c)."""
     skew = (tread != tread[:, :, ::-1]).any(axis=2)
-    near = np.zeros_like(skew)
+    near: NDArray[np.bool_] = np.zeros_like(skew)
     for offset in range(-(nx // 2), nx // 2 + 1):
         near |= np.roll(skew, offset, axis=1)
-    return ~near
+    return np.logical_not(near)
 
 
 def solve_patch(
@@ -176,10 +185,9 @@ def approach_for_force(
     touch = float(np.min(total_separation(law, wheel, tread_index, rail_index)))
     if force == 0.0:
         return touch
-    # The force is convex in the approach and made of straight pieces: from above, Newton's method ends exactly.
     approach = touch + 1e-6
     low, high = touch, np.inf
-    for _ in range(100):
+    while np.isinf(high) or high - low > 1e-3 * (high - touch):
         try:
             patch = solve_patch(law, wheel, tread_index, rail_index, approach)
         except ContactError:
@@ -189,9 +197,13 @@ def approach_for_force(
             continue
         if patch.force < force:
             low = approach
+        # The force is convex in the approach and made of straight pieces: Newton's method ends exactly, from above
+        # without a step too far. From far below it is taken on the power 2/3, which is nearly straight (Hertz).
         step = (force - patch.force) / patch.stiffness
-        if abs(step) <= 1e-13 * (approach - touch):
-            return approach + step + compliance * force
+        if force > 2.0 * patch.force:
+            step = 1.5 * ((force / patch.force) ** (2 / 3) - 1.0) * patch.force / patch.stiffness
+        if abs(step) <= 2 * np.spacing(approach):
+            return approach + compliance * force
         approach = approach + step if approach + step < high else 0.5 * (approach + high)
     raise ContactError(
         f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"

@@ -11,14 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..jit import kernel
-from .active_set_kernels import pair
+from .active_set_kernels import at_border, pair
+
+BLOCK = 64
 
 
 @kernel
-def enlarged(array: NDArray[np.float64], n: int) -> NDArray[np.float64]:
-    """Square array with room for twice its n rows and columns."""
-    larger = np.zeros((2 * n, 2 * n))
-    larger[:n, :n] = array
+def enlarged(array: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
+    """Copy of an array in the corner of a larger one."""
+    larger = np.zeros((rows, columns))
+    larger[: array.shape[0], : array.shape[1]] = array
     return larger
 
 
@@ -36,7 +38,8 @@ def force_path(
     ``separation``, m. Arguments as in ``solve_active_set``.
 
     Between kinks the pressures p grow by q times the approach, where q is that of a flat punch on the elements in
-    contact. The inverse of their influence matrix is carried along and bordered or deflated by one element a kink.
+    contact. The inverse of their influence matrix is carried along and bordered or deflated by one element a kink;
+    ``felt`` holds what unit pressure on each of them does to all elements.
     """
     nx, ny = separation.shape
     centre = ny // 2
@@ -58,24 +61,26 @@ def force_path(
     count = 1
     inside = np.zeros(m, np.bool_)
     chosen = np.empty(m, np.int64)
-    inverse = np.zeros((64, 64))
+    inverse, felt = np.zeros((64, 64)), np.zeros((64, m))
     p, q, column, g = np.zeros(m), np.zeros(m), np.empty(m), np.empty(m)
+    distance, closing = np.empty(BLOCK), np.empty(BLOCK)
     n = 0
     entering, leaving = 0, -1
     # Every kink adds or removes an element; the bound only ends a path that cannot advance.
     for _ in range(4 * m):
         if entering >= 0:
             i, j = at_i[entering], at_j[entering]
-            if i == 0 or i == nx - 1 or j == ny - 1 or (j == 0 and not mirrored):
+            if at_border(nx, ny, mirrored, i, j):
                 break
             if n == len(inverse):
-                inverse = enlarged(inverse, n)
-            own = weight[entering] ** 2 * pair(influence, mirrored, centre, i, j, i, j)
+                inverse, felt = enlarged(inverse, 2 * n, 2 * n), enlarged(felt, 2 * n, m)
+            for c in range(m):
+                felt[n, c] = weight[entering] * pair(influence, mirrored, centre, at_i[c], at_j[c], i, j)
+            own = weight[entering] * felt[n, entering]
             rate = weight[entering]
             g[:n] = 0.0
             for b in range(n):
-                d = chosen[b]
-                column[b] = weight[entering] * weight[d] * pair(influence, mirrored, centre, i, j, at_i[d], at_j[d])
+                column[b] = weight[entering] * felt[b, entering]
                 row = inverse[b, :n]
                 for a in range(n):
                     g[a] += column[b] * row[a]
@@ -105,7 +110,7 @@ def force_path(
             inverse[leaving, : n + 1] = inverse[n, : n + 1]
             inverse[: n + 1, leaving] = inverse[: n + 1, n]
             inverse[leaving, leaving] = inverse[n, n]
-            chosen[leaving], p[leaving] = chosen[n], p[n]
+            chosen[leaving], p[leaving], felt[leaving] = chosen[n], p[n], felt[n]
             q[leaving], q[n] = q[n], q[leaving]
             for b in range(n):
                 q[b] -= g[b] * q[n] / g[n]
@@ -121,20 +126,23 @@ def force_path(
             if q[b] < 0.0 and approach - p[b] / q[b] < following:
                 following = approach - p[b] / q[b]
                 leaving = b
-        for c in range(m):
-            if gap[c] >= following:
+        for start in range(0, m, BLOCK):
+            if gap[start] >= following:
                 break
-            if inside[c]:
-                continue
-            distance, closing = gap[c] - approach, 1.0
+            end = min(start + BLOCK, m)
+            for c in range(end - start):
+                distance[c], closing[c] = gap[start + c] - approach, 1.0
             for b in range(n):
-                d = chosen[b]
-                unit = weight[d] * pair(influence, mirrored, centre, at_i[c], at_j[c], at_i[d], at_j[d])
-                distance += unit * p[b]
-                closing -= unit * q[b]
-            if closing > 0.0 and approach + max(distance, 0.0) / closing < following:
-                following = approach + max(distance, 0.0) / closing
-                entering, leaving = c, -1
+                row = felt[b, start:end]
+                for c in range(len(row)):
+                    distance[c] += p[b] * row[c]
+                    closing[c] -= q[b] * row[c]
+            for c in range(end - start):
+                if not inside[start + c] and closing[c] > 0.0:
+                    meeting = approach + max(distance[c], 0.0) / closing[c]
+                    if meeting < following:
+                        following = meeting
+                        entering, leaving = start + c, -1
         advance = max(following - approach, 0.0)
         for b in range(n):
             p[b] += advance * q[b]

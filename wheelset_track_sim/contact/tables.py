@@ -54,11 +54,12 @@ class Windows:
     """Windows, each (nx, ny), m."""
 
 
-def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], reach: float) -> Windows:
+def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], smooth_reach: float) -> Windows:
     """Distinct windows of ``tread`` (2, n_c, ny) as seen by an area of nominal ``separation`` (nx, ny).
 
-    Only elements with a separation, nominal or true, below the approach ``reach`` can bear, so others count as smooth.
-    Mirror images along x share a window: the force is the same. So do the two wheels.
+    ``smooth_reach``, m, is the approach that a smooth tread does not exceed within the tables. Where all elements with
+    a separation, nominal or true, below it are smooth, the contact is that of a smooth tread. Mirror images along x
+    share a window: the force is the same. So do the two wheels.
     """
     nx = len(separation)
     n_c = tread.shape[1]
@@ -70,8 +71,7 @@ def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], reach: 
         rough = np.flatnonzero(tread[wheel].any(axis=1))
         for position in np.unique((rough[:, None] - offset) % n_c):
             window = tread[wheel, (position + offset) % n_c]
-            window = np.where(np.minimum(separation, separation - window) < reach, window, 0.0)
-            if not window.any():
+            if not window[np.minimum(separation, separation - window) < smooth_reach].any():
                 continue
             key = min(window.tobytes(), window[::-1].tobytes())
             if key not in found:

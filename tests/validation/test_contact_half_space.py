@@ -1,0 +1,54 @@
+"""The active set against the FFT half-space solver of ContactMechanics, with a defect in the patch."""
+
+import numpy as np
+import pytest
+
+from wheelset_track_sim.contact import ContactGeometry, build_contact_law, solve_patch
+from wheelset_track_sim.contact.law_kernels import total_separation
+from wheelset_track_sim.irregularities import Breakout
+
+contact_mechanics = pytest.importorskip("ContactMechanics")
+topography = pytest.importorskip("SurfaceTopography")
+DX = 0.001
+
+
+def half_space(gap, contact_modulus, force):
+    """Pressure, Pa, on the same elements and approach, m, under ``force`` by Polonsky and Keer's method.
+
+    It is asked at a force, not at an approach: there its method can cycle. Lengths in elements, stresses in E*.
+    """
+    nx, ny = gap.shape
+    substrate = contact_mechanics.FreeFFTElasticHalfSpace((nx, ny), 1.0, (float(nx), float(ny)))
+    # Where there is no rail the surface is out of reach.
+    heights = -np.minimum(gap, 0.1) / DX
+    surface = topography.Topography(heights, (float(nx), float(ny)))
+    system = contact_mechanics.make_system(substrate=substrate, surface=surface)
+    result = system.minimize_proxy(
+        external_force=force / (contact_modulus * DX**2), pentol=1e-9, forcetol=1e-9, maxiter=3000
+    )
+    assert result.success
+    return np.asarray(result.jac)[:nx, :ny] * contact_modulus, result.offset * DX
+
+
+@pytest.mark.parametrize(
+    ("defect", "tread"),
+    [
+        (Breakout("wheel_1", 0.030, 0.024, 0.002), 0),
+        (Breakout("wheel_1", 0.030, 0.024, 0.002), 22),
+        (Breakout("wheel_1", 0.010, 0.008, 0.0003), 0),
+        (Breakout("wheel_1", 0.010, 0.008, 0.0003), 6),
+        (Breakout("wheel_1", 0.020, 0.010, 0.0006, y=0.004), 5),
+        (Breakout("wheel_1", 0.020, 0.010, 0.0006, y=0.004), 500),
+    ],
+)
+@pytest.mark.parametrize("depth", [1e-4, 2.5e-4])
+def test_pressure_agrees(defect, tread, depth):
+    geometry = ContactGeometry()
+    law = build_contact_law([defect], geometry, DX, 2713, tables=False)
+    gap = total_separation(law, 0, tread, 0)
+    approach = gap.min() + depth
+    patch = solve_patch(law, 0, tread, 0, approach)
+    other, its_approach = half_space(gap, geometry.contact_modulus, patch.force)
+    assert patch.force > 10e3
+    assert np.abs(patch.pressure - other).max() < 1e-6 * other.max()
+    assert its_approach == pytest.approx(approach, rel=1e-7)
