@@ -118,7 +118,7 @@ def mode_shapes(wheelset: Wheelset, max_frequency: float = MAX_FREQUENCY) -> tup
     for n in HARMONICS:
         model = harmonic(wheelset, mesh, n)
         frequencies, modes = model.modes(max_frequency)
-        found.append(ModeShapes(n, frequencies, (model.free @ modes).T.reshape(len(frequencies), -1, 3)))
+        found.append(ModeShapes(n, frequencies, (model.free @ modes).T.reshape(len(frequencies), len(mesh.points), 3)))
     return mesh, found
 
 
