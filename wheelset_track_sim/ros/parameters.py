@@ -1,0 +1,131 @@
+"""Parameters of the node: declared once from the package's own quantities, mapped to a scenario and a pace."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.node import Node
+
+from ..errors import InputError
+from ..irregularities import Breakout
+from ..scenario import WHEELS, Scenario, load_scenario
+from ..schema import Quantity, quantity_of
+from ..simulation.pacing import Pace
+
+SIZE_C = {"a": 0.030, "b": 0.024, "h": 0.0, "angle": 0.0, "y": 0.0}
+"""Damage parameters of a smooth wheel: with a depth ``h`` it is of the paper's size C."""
+START_UP = {
+    "scenario": ("damage_wheel_1", "Name of a shipped scenario, or path of a scenario file"),
+    "autostart": (True, "Configure and activate without being told"),
+    "record.directory": ("recordings", "Folder in which bags are written"),
+    "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
+    "record.on_start": (False, "Record from the start of the run on"),
+}
+SCENARIO_NUMBERS = ("speed", "axle_load")
+OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+Values = Mapping[str, Any]
+
+
+def values_of(scenario: Scenario) -> dict[str, float]:
+    """Parameters that describe a scenario; those of damage are of the first breakout on each wheel."""
+    values: dict[str, float] = {name: getattr(scenario, name) for name in SCENARIO_NUMBERS}
+    for wheel in WHEELS:
+        first = _first_breakout(scenario, wheel)
+        for name, smooth in SIZE_C.items():
+            values[f"{wheel}.damage.{name}"] = float(getattr(first, name)) if first else smooth
+    return values
+
+
+def with_values(base: Scenario, values: Values) -> Scenario:
+    """``base`` with the parameters in place: they replace the first breakout on each wheel, or add one.
+
+    A depth of 0 takes it away; further irregularities of ``base`` stay. Raises InputError that names the parameter.
+    """
+    irregularities = list(base.irregularities)
+    for wheel in WHEELS:
+        given = {name: values[f"{wheel}.damage.{name}"] for name in SIZE_C}
+        try:
+            breakout = Breakout(on=wheel, **given)
+        except InputError as refusal:
+            raise InputError(f"{wheel}.damage.{refusal}") from None
+        first = _first_breakout(base, wheel)
+        if first == breakout:
+            continue
+        place = len(irregularities) if first is None else irregularities.index(first)
+        irregularities[place : place + 1] = [breakout] if breakout.h > 0 else []
+    numbers = {name: values[name] for name in SCENARIO_NUMBERS}
+    return dataclasses.replace(base, **numbers, irregularities=tuple(irregularities))
+
+
+def pace_of(values: Values) -> Pace:
+    """Pace that the parameters describe; raises InputError."""
+    return Pace(**{field.name: values[field.name] for field in dataclasses.fields(Pace)})
+
+
+class Parameters:
+    """The parameters that a node declares, and what they describe."""
+
+    def __init__(self, node: Node) -> None:
+        """Declare all parameters of ``node``; raises InputError if one given at the start cannot be used."""
+        self._node = node
+        for name, (default, description) in START_UP.items():
+            self._declare(name, default, ParameterDescriptor(description=description, read_only=True))
+        self._file = load_scenario(self["scenario"])
+        for name, value in values_of(self._file).items():
+            self._declare(name, value, _number(_quantity(name)))
+        for field in dataclasses.fields(Pace):
+            quantity = quantity_of(Pace, field.name)
+            self._declare(field.name, field.default, _number(quantity, read_only=field.name == "duration"))
+        self._warn_of_unknown()
+        self.changed({})
+
+    def __getitem__(self, name: str) -> Any:
+        """Value of a parameter."""
+        return self._node.get_parameter(name).value
+
+    def changed(self, changes: Values) -> tuple[Scenario, Pace]:
+        """Scenario and pace with ``changes`` made, all checked; raises InputError that names the parameter."""
+        names = [*values_of(self._file), *(field.name for field in dataclasses.fields(Pace))]
+        values = {name: self[name] for name in names} | dict(changes)
+        return with_values(self._file, values), pace_of(values)
+
+    def _declare(self, name: str, default: Any, descriptor: ParameterDescriptor) -> None:
+        try:
+            self._node.declare_parameter(name, default, descriptor)
+        except InvalidParameterTypeException:
+            kind = {float: "a number with a decimal point, such as 1.0", bool: "true or false", str: "text"}
+            raise InputError(f"parameter {name} is of the wrong type: give {kind[type(default)]}") from None
+        except InvalidParameterValueException as refusal:
+            raise InputError(" ".join(str(refusal).split())) from None
+
+    def _warn_of_unknown(self) -> None:
+        """A name that nobody declared may be a slip, or in a file shared with other nodes: it is not refused."""
+        for name in _overrides(self._node):
+            if not self._node.has_parameter(name) and not name.startswith(OF_ROS):
+                self._node.get_logger().warning(f"parameter {name} is not known and not used")
+
+
+def _first_breakout(scenario: Scenario, wheel: str) -> Breakout | None:
+    return next((item for item in scenario.irregularities if item.on == wheel), None)
+
+
+def _quantity(name: str) -> Quantity:
+    *damage, last = name.split(".")
+    return quantity_of(Breakout if damage else Scenario, last)
+
+
+def _number(quantity: Quantity, *, read_only: bool = False) -> ParameterDescriptor:
+    unit = f", {quantity.unit}" if quantity.unit else ""
+    return ParameterDescriptor(
+        description=f"{quantity.meaning.rstrip(',')}{unit}",
+        read_only=read_only,
+        floating_point_range=[FloatingPointRange(from_value=float(quantity.low), to_value=float(quantity.high))],
+    )
+
+
+def _overrides(node: Node) -> Iterable[str]:
+    return getattr(node, "_parameter_overrides", {})
