@@ -187,7 +187,7 @@ def approach_for_force(
         return touch
     approach = touch + 1e-6
     low, high = touch, np.inf
-    while np.isinf(high) or high - low > 1e-3 * (high - touch):
+    while np.isinf(high) or high - low > 1e-2 * (high - touch):
         try:
             patch = solve_patch(law, wheel, tread_index, rail_index, approach)
         except ContactError:
