@@ -76,6 +76,7 @@ class Wheelset:
             middle, half = side * self.axle_boxes.distance, self.axle_boxes.bearing_length / 2
             self.axle.section_over(middle - half, middle + half, "bearing of the axle box")
         if self.gearbox:
+            increasing("gearbox", end=max(map(abs, self.gearbox_ends)), hub_inner=self.wheel.hub_inner)
             seat = self.axle.section_over(*self.gearbox_ends, "gearbox")
             increasing("gearbox", seat=seat.diameter / 2, outer_radius=self.gearbox.outer_radius)
         if self.brake_discs:

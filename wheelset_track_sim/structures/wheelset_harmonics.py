@@ -16,7 +16,7 @@ from .wheelset import Wheelset
 Real = NDArray[np.float64]
 
 HARMONICS = range(7)
-"""n = 0 to 6: modes of higher n lie above 6 kHz or hardly move the contact points."""
+"""n = 0 to 6: of the X40, n = 7 starts at 4.1 kHz, and 7 to 9 change receptances to 2500 Hz by less than 1e-12 m/N."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Harmonic:
                 break
             count *= 2
         order = np.argsort(frequencies)
-        kept = order[(frequencies[order] <= max_frequency) & (frequencies[order] > 0.5)]
+        kept = order[(frequencies[order] <= max_frequency) & ((frequencies[order] > 1.0) | (self.n > 0))]
         return frequencies[kept], shapes[:, kept]
 
     def static(self, forces: Real) -> Real:

@@ -21,6 +21,9 @@ Real = NDArray[np.float64]
 GRADING = 2.0
 """Exponent by which axle elements get thinner towards the surface, where the stress is wanted."""
 
+TRANSITION = 0.015
+"""Length of the element that leads from a fillet into the cylinder, m."""
+
 
 def wheelset_mesh(wheelset: Wheelset, size: MeshSize | None = None) -> SectionMesh:
     """Mesh of a wheelset; ``size`` replaces the wheelset's own."""
@@ -83,8 +86,8 @@ def _axle_nodes(wheelset: Wheelset, size: MeshSize) -> Real:
         breaks |= set(wheelset.gearbox_ends)
     fillets = wheelset.axle.steps()
     breaks |= {step.tangent for step in fillets}
-    # One short element leads from the fillet into the cylinder, where the stress is still uneven.
-    breaks |= {step.tangent + step.direction * 0.015 for step in fillets}
+    # A short element leads from the fillet into the cylinder, where the stress is still uneven.
+    breaks |= {step.tangent + step.direction * TRANSITION for step in fillets}
     y = divided(_apart(sorted(breaks)), size.axle)
     watched = {node.after for node in wheelset.stress_nodes}
     for step in fillets:

@@ -70,11 +70,14 @@ class Axle(Checked):
         super().__post_init__()
         if not self.sections:
             raise InputError("axle.sections is empty: give at least one section")
+        names = [section.name for section in self.sections]
+        if len(set(names)) < len(names):
+            raise InputError(f"axle.sections has names {', '.join(names)}: give each a name of its own")
         ends = [self.start, *(section.end for section in self.sections)]
-        for section, (low, high) in zip(self.sections, pairwise(ends), strict=True):
+        for name, (low, high) in zip(names, pairwise(ends), strict=True):
             if high <= low:
                 raise InputError(
-                    f"axle section {section.name} ends at y = {high:g} m, before it starts: give sections in order of y"
+                    f"axle section {name} ends at y = {high:g} m, before it starts: give sections in order of y"
                 )
         for step in self.steps():
             if step.high - step.low >= step.fillet:
@@ -82,6 +85,9 @@ class Axle(Checked):
                     f"fillet after axle section {step.after} has radius {step.fillet:g} m: "
                     f"give more than the height of the step, {step.high - step.low:g} m"
                 )
+        for section, low, high in self.cylinders():
+            if high <= low:
+                raise InputError(f"axle section {section.name} is shorter than its fillets: give smaller radii")
 
     def steps(self) -> tuple[Step, ...]:
         """Changes of diameter in order of y."""
@@ -93,22 +99,27 @@ class Axle(Checked):
                 found.append(Step(this.name, this.end, direction, low, high, this.fillet))
         return tuple(found)
 
+    def cylinders(self) -> list[tuple[AxleSection, float, float]]:
+        """Sections with the y at which their cylindrical parts, without fillets, start and end."""
+        starts = [self.start, *(section.end for section in self.sections[:-1])]
+        ends = [section.end for section in self.sections]
+        names = [section.name for section in self.sections]
+        for step in self.steps():
+            before = names.index(step.after)
+            if step.direction > 0:
+                starts[before + 1] = step.tangent
+            else:
+                ends[before] = step.tangent
+        return list(zip(self.sections, starts, ends, strict=True))
+
     def section_over(self, low: float, high: float, what: str) -> AxleSection:
-        """Section that carries ``what`` from ``low`` to ``high``; raises InputError if no cylinder does."""
-        start = self.start
-        for section in self.sections:
-            if start <= low and high <= section.end:
-                for step in self.steps():
-                    reach = sorted((step.edge, step.tangent))
-                    if low < reach[1] and reach[0] < high and step.low == section.diameter / 2:
-                        raise InputError(
-                            f"{what} from y = {low:g} to {high:g} m stands on the fillet after axle section "
-                            f"{step.after}: move it"
-                        )
+        """Section whose cylinder carries ``what`` from ``low`` to ``high``; raises InputError if none does."""
+        for section, start, end in self.cylinders():
+            if start <= low and high <= end:
                 return section
-            start = section.end
         raise InputError(
-            f"{what} from y = {low:g} to {high:g} m does not stand on one axle section: move it or the sections"
+            f"{what} from y = {low:g} to {high:g} m does not stand on the cylinder of one axle section: "
+            "move it, or the sections or their fillets"
         )
 
 
