@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,14 +66,15 @@ def build_contact_law(
     *,
     dy: float = 0.001,
     largest_force: float = 600e3,
-    tables: bool = True,
+    tables: bool | Literal["smooth"] = True,
     progress: Progress | None = None,
 ) -> ContactLaw:
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
 
     ``tables`` says whether the force-approach curves up to ``largest_force`` (N) are worked out beforehand, for every
     tread position at which an irregularity can bear; without them, and above that force, the active set is solved in
-    every step. ``progress`` is told the share done.
+    every step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest.
+    ``progress`` is told the share done.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     for name, value, low, high in (
@@ -105,8 +107,11 @@ def build_contact_law(
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
     if tables:
         placed = windows(tread, separation, smooth_reach)
-        stored = force_tables(placed.heights, separation, influence, dx * dy, largest_force, progress)
-        table, first, points = placed.number, stored.first, stored.points
+        heights, number = placed.heights, placed.number
+        if tables == "smooth":
+            heights, number = heights[:1], np.where(number > 0, np.int32(-1), number)
+        stored = force_tables(heights, separation, influence, dx * dy, largest_force, progress)
+        table, first, points = number, stored.first, stored.points
     return ContactLaw(
         tread=tread,
         rail=np.zeros((2, 1, ny)),

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Literal
 
 from .. import __version__
 from ..cache import digest
@@ -36,6 +37,8 @@ class Models:
     steps_per_revolution: int
     tread_origin: int
     """Step at which angle 0 of the treads meets the rail."""
+    tables: bool | Literal["smooth"] = True
+    """Which contacts have tables, as for ``build_contact_law``."""
     _smooth: ContactLaw | None = field(default=None, repr=False)
 
     def contact_law(self, irregularities: Sequence[Breakout], progress: Progress | None = None) -> ContactLaw:
@@ -47,6 +50,7 @@ class Models:
             self.geometry,
             self.step_length,
             self.steps_per_revolution,
+            tables=self.tables,
             progress=None if progress is None else partial(progress, "contact tables"),
         )
         if not irregularities:
@@ -58,8 +62,8 @@ class Models:
         return digest([__version__, scenario.to_mapping(), self.wheelset, self.track])
 
 
-def load_models(scenario: Scenario, progress: Progress | None = None) -> Models:
-    """Models of a scenario; raises InputError for a model that cannot be used."""
+def described(scenario: Scenario) -> tuple[Wheelset, Track]:
+    """Wheelset and track that a scenario names; raises InputError for one that cannot be used, before it is built."""
     wheelset, track = load_wheelset(scenario.wheelset), load_track(scenario.track)
     dx = scenario.step_length
     bay = track.spacing / dx
@@ -68,6 +72,15 @@ def load_models(scenario: Scenario, progress: Progress | None = None) -> Models:
             f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
             f"give {track.spacing / math.ceil(bay):g} m"
         )
+    return wheelset, track
+
+
+def load_models(
+    scenario: Scenario, progress: Progress | None = None, *, tables: bool | Literal["smooth"] = True
+) -> Models:
+    """Models of a scenario, ``tables`` as for ``build_contact_law``; raises InputError for what cannot be used."""
+    wheelset, track = described(scenario)
+    dx = scenario.step_length
     reduced = reduced_wheelset(wheelset, progress=progress)
     band = scenario.max_frequency
     if band is not None:
@@ -81,4 +94,5 @@ def load_models(scenario: Scenario, progress: Progress | None = None) -> Models:
         step_length=dx,
         steps_per_revolution=round(2 * math.pi * reduced.rolling_radius / dx),
         tread_origin=round(scenario.reference_position / dx),
+        tables=tables,
     )

@@ -53,9 +53,12 @@ class Simulator:
     ``apply`` may be called from different threads.
     """
 
-    def __init__(self, scenario: Scenario, progress: Progress | None = None) -> None:
-        """Load or build the models and settle; raises InputError if the scenario cannot be used."""
-        self._models: Models = load_models(scenario, progress)
+    def __init__(self, scenario: Scenario, progress: Progress | None = None, models: Models | None = None) -> None:
+        """Load or build the models and settle; raises InputError if the scenario cannot be used.
+
+        ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs.
+        """
+        self._models: Models = models or load_models(scenario, progress)
         self._lock = threading.Lock()
         self._queue: deque[_Pending] = deque()
         self._scenario, self._law = scenario, self._models.contact_law(())
