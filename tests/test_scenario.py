@@ -91,3 +91,11 @@ def test_an_override_sets_or_refuses_and_nothing_else(key: str, value: str) -> N
     with suppress(InputError):
         override(data, f"{key}={value}")
         assert isinstance(scenario_from(data), Scenario)
+
+
+def test_a_key_within_a_named_track_makes_its_content_part_of_the_scenario():
+    scenario = load_scenario("undamaged", ["track.sleeper.length=2.6"])
+    assert scenario.track["sleeper"]["length"] == 2.6
+    assert scenario.track["spacing"] == 0.6
+    assert scenario.wheelset == "x40"
+    assert scenario_from(scenario.to_mapping()) == scenario

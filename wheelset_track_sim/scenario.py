@@ -129,17 +129,27 @@ def override(data: dict[str, Any], change: str) -> None:
     key, equals, text = change.partition("=")
     if not equals or not key:
         raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
-    value = parse(text, f"the value of --set {key}")
+    assign(data, key, parse(text, f"the value of --set {key}"), "--set ")
+
+
+def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
+    """Set one entry of a scenario's plain mapping by its dotted key; ``where`` stands before the key in messages.
+
+    A key within a track or wheelset that is named makes its content part of the scenario.
+    """
+    model, dot, _ = key.partition(".")
+    if dot and model in ("track", "wheelset") and isinstance(data.get(model), str):
+        data[model] = load_yaml(f"{model}s", data[model])
     *path, last = key.split(".")
     place: Any = data
     for depth, part in enumerate(path):
-        place = _entry(place, part, ".".join(path[: depth + 1]))
+        place = _entry(place, part, where + ".".join(path[: depth + 1]))
     if isinstance(place, list):
-        place[_index(place, last, key)] = value
+        place[_index(place, last, where + key)] = value
     elif isinstance(place, dict):
         place[last] = value
     else:
-        raise InputError(f"--set {key}: {'.'.join(path)} has no entries")
+        raise InputError(f"{where}{key}: {'.'.join(path)} has no entries")
 
 
 def _entry(place: Any, part: str, where: str) -> Any:
@@ -147,12 +157,10 @@ def _entry(place: Any, part: str, where: str) -> Any:
         return place[_index(place, part, where)]
     if isinstance(place, dict):
         return place.setdefault(part, {})
-    raise InputError(f"--set {where}: there is nothing to set there")
+    raise InputError(f"{where}: there is nothing to set there")
 
 
 def _index(place: list[Any], part: str, where: str) -> int:
     if not part.isdigit() or int(part) >= len(place):
-        raise InputError(
-            f"--set {where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)"
-        )
+        raise InputError(f"{where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)")
     return int(part)

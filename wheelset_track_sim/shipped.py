@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def names(kind: str) -> list[str]:
-    """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``."""
+    """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``, ``studies``."""
     return sorted(entry.name.removesuffix(".yaml") for entry in _folder(kind).iterdir() if entry.name.endswith(".yaml"))
 
 
@@ -32,13 +32,18 @@ def load_yaml(kind: str, name_or_path: str | Path) -> Any:
     elif path.suffix in {".yaml", ".yml"} or path.exists():
         source = path
     else:
-        raise InputError(unknown(kind.removesuffix("s"), repr(str(name_or_path)), str(name_or_path), names(kind)))
+        raise InputError(unknown(singular(kind), repr(str(name_or_path)), str(name_or_path), names(kind)))
     try:
         text = source.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as reason:
         known = ", ".join(names(kind))
         raise InputError(f"{source} cannot be read ({reason}): give a YAML file or one of {known}") from None
     return parse(text, str(source))
+
+
+def singular(kind: str) -> str:
+    """``scenario`` of ``scenarios``, ``study`` of ``studies``."""
+    return kind.removesuffix("ies") + "y" if kind.endswith("ies") else kind.removesuffix("s")
 
 
 def _folder(kind: str) -> Traversable:
