@@ -12,18 +12,19 @@ lag zero from one wheel to the other is left out: no wave crosses axle or sleepe
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..schema import unknown
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track_ring import TrackRing
 from .causal_kernels import Causal
 from .hold import hold_coefficients
+from .stress_rows import stress_rows
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
@@ -47,8 +48,10 @@ class CausalModel:
     stress_output: Complex  # (S, P)
     stress_feedthrough: Real  # (S, 2)
     stress_rows: NDArray[np.intp]  # (S,) where the components stand in the flattened (nodes, 6)
+    changes_speed: ClassVar[bool] = True
+    longest_run: ClassVar[float] = math.inf
 
-    def preload(self, wheel_load: float) -> Real:
+    def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         wheelset = self.wheelset
         wheels = -(wheelset.outputs * (wheelset.inputs.sum(axis=1) / wheelset.poles)).real.sum(axis=1)
@@ -128,18 +131,6 @@ def causal_model(wheelset: ReducedWheelset, track: TrackRing, nodes: Sequence[st
         stress_feedthrough=wheelset.stress_feedthrough[rows].reshape(-1, 2)[kept],
         stress_rows=kept,
     )
-
-
-def stress_rows(wheelset: ReducedWheelset, nodes: Sequence[str]) -> tuple[list[int], NDArray[np.intp]]:
-    """Indices of stress nodes, and which of their components, (nodes, 6) flattened, are not zero by symmetry."""
-    for index, node in enumerate(nodes):
-        if node not in wheelset.node_names:
-            where = f"output.stress_nodes.{index} = {node!r}"
-            raise InputError(unknown("stress node of this wheelset", where, node, wheelset.node_names))
-    rows = [wheelset.node_names.index(node) for node in nodes]
-    shapes = np.abs(wheelset.stress_outputs[rows]).max(axis=-1, initial=0.0) * np.abs(wheelset.inputs).max()
-    size = (shapes + np.abs(wheelset.stress_feedthrough[rows]).max(axis=-1, initial=0.0)).ravel()
-    return rows, np.flatnonzero(size > 1e-9 * size.max(initial=0.0))
 
 
 def truncated(wheelset: ReducedWheelset, max_frequency: float) -> ReducedWheelset:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw, contact_force
 from ..jit import kernel
-from .causal_kernels import Causal, advance, displacements, stresses
+from .dynamics_kernels import advance, displacements, stresses
 
 
 @kernel
 def run(
-    dynamics: Causal,
+    dynamics: Any,
     law: ContactLaw,
     preload: np.ndarray,
     tread_origin: int,

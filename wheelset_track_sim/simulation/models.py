@@ -20,7 +20,9 @@ from ..structures.track import Track, load_track
 from ..structures.track_ring import MAX_FREQUENCY, track_ring
 from ..structures.wheelset import Wheelset, load_wheelset
 from ..structures.wheelset_reduction import reduced_wheelset
-from .causal import CausalModel, causal_model, truncated
+from .causal import causal_model, truncated
+from .dynamics import DynamicsModel
+from .paper import paper_model
 
 Progress = Callable[[str, float], None]
 
@@ -31,7 +33,7 @@ class Models:
 
     wheelset: Wheelset
     track: Track
-    dynamics: CausalModel
+    dynamics: DynamicsModel
     geometry: ContactGeometry
     step_length: float
     steps_per_revolution: int
@@ -82,14 +84,18 @@ def load_models(
     wheelset, track = described(scenario)
     dx = scenario.step_length
     reduced = reduced_wheelset(wheelset, progress=progress)
-    band = scenario.max_frequency
-    if band is not None:
-        reduced = truncated(reduced, band)
-    ring = track_ring(track, dx, max_frequency=min(band or MAX_FREQUENCY, MAX_FREQUENCY), progress=progress)
+    nodes, band, lag_zero = scenario.output.stress_nodes, scenario.max_frequency, scenario.at_lag_zero
+    dynamics: DynamicsModel
+    if scenario.dynamics == "paper":
+        dynamics = paper_model(reduced, track, nodes, max_frequency=band, lag_zero=lag_zero, progress=progress)
+    else:
+        ring = track_ring(track, dx, max_frequency=min(band or MAX_FREQUENCY, MAX_FREQUENCY), progress=progress)
+        kept = reduced if band is None else truncated(reduced, band)
+        dynamics = causal_model(kept, ring, nodes, lag_zero)
     return Models(
         wheelset=wheelset,
         track=track,
-        dynamics=causal_model(reduced, ring, scenario.output.stress_nodes, scenario.at_lag_zero),
+        dynamics=dynamics,
         geometry=ContactGeometry(wheel_radius=reduced.rolling_radius),
         step_length=dx,
         steps_per_revolution=round(2 * math.pi * reduced.rolling_radius / dx),

@@ -146,6 +146,8 @@ class Simulator:
         for field in dataclasses.fields(Scenario):
             if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
+        if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
+            raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
         same = scenario.irregularities == current.irregularities
         law = self._newest_law() if same else self._models.contact_law(scenario.irregularities)
         return self._enqueue(None, scenario, law)
@@ -158,6 +160,11 @@ class Simulator:
         """
         if steps < 1:
             raise ValueError(f"steps = {steps}: give at least 1")
+        longest = self._models.dynamics.longest_run - SETTLING
+        if self.time + steps * self.step_period > longest:
+            raise InputError(
+                f"{self._scenario.dynamics} dynamics runs for {longest:g} s at most: use causal for longer"
+            )
         self._install_due()
         first = self._next
         with self._lock:
@@ -184,7 +191,8 @@ class Simulator:
     def _preload_for(self, scenario: Scenario) -> np.ndarray:
         smooth = self._models.contact_law(())
         load = scenario.wheel_load
-        return self._models.dynamics.preload(load) + approach_for_force(smooth, 0, 0, 0, load)
+        displaced = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
+        return displaced + approach_for_force(smooth, 0, 0, 0, load)
 
     def _newest_law(self) -> ContactLaw:
         with self._lock:

@@ -61,7 +61,7 @@ class BlochTrack:
             bay, s = _place(float(position), length)
             for node in (bay - load_bay, bay - load_bay + 1):
                 if node not in nodes:
-                    nodes[node] = self._node(node, shares)
+                    nodes[node] = self.node(node, shares)
             near, far = nodes[bay - load_bay], nodes[bay - load_bay + 1]
             row = self.interpolation(s)
             result[i] = row[0] * near[0] + row[1] * near[1] + row[2] * far[0] + row[3] * far[1]
@@ -79,7 +79,7 @@ class BlochTrack:
         behind = row[:, :2] - np.einsum("fv,fvu->fu", ahead, self.across)
         return np.concatenate([behind, ahead], axis=1).T
 
-    def _node(self, node: int, shares: Real) -> Complex:
+    def node(self, node: int, shares: Real) -> Complex:
         """``[w, theta]`` (2, f) at sleeper ``node`` for a load in bay 0 with ``shares`` (4, f) on its two ends."""
         u = np.zeros((2, self.omega.size), dtype=np.complex128)
         for end in range(2):

@@ -1,0 +1,39 @@
+"""The dynamics as the simulator knows them: one interface, two implementations (``causal`` and ``paper``)."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class DynamicsModel(Protocol):
+    """Wheelset and track that can be started at a speed; what it starts is stepped by ``dynamics_kernels``."""
+
+    @property
+    def stress_rows(self) -> NDArray[np.intp]:
+        """(S,) where the stress components that are stepped stand in the flattened (nodes, 6)."""
+        ...
+
+    @property
+    def changes_speed(self) -> bool:
+        """Whether the speed may change during a run."""
+        ...
+
+    @property
+    def longest_run(self) -> float:
+        """Bound on a run, settling included, s."""
+        ...
+
+    def preload(self, wheel_load: float, dx: float, speed: float) -> NDArray[np.float64]:
+        """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
+        ...
+
+    def start(self, wheel_load: float, step: int, dx: float, speed: float) -> Any:
+        """Dynamics at ``speed`` m/s at ``step``, at rest or in steady running under ``wheel_load`` N on both wheels."""
+        ...
+
+    def at_speed(self, dynamics: Any, dx: float, speed: float, behind: float) -> Any:
+        """Dynamics with the state of ``dynamics`` at another ``speed`` m/s; ``behind`` is that of the last interval."""
+        ...

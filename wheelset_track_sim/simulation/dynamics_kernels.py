@@ -1,0 +1,55 @@
+"""The one interface of the coupled step to the dynamics, and its two implementations: ``causal`` and ``paper``.
+
+The compiler picks the implementation by the type of ``dynamics``. Every implementation has a ``compliance`` (L, 2) in
+m/N: what the force of a step displaces rail and wheel by at that step itself, at each contact and place in the bay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba.extending import overload
+
+from . import causal_kernels, paper_kernels
+
+_IMPLEMENTATIONS = {causal_kernels.Causal: causal_kernels, paper_kernels.Paper: paper_kernels}
+
+
+def displacements(dynamics: Any, step: int, xi: np.ndarray) -> None:
+    """Fill ``xi`` (2, 2), m: [0] wheels and [1] rails by wheel, at ``step``, without the force of that step itself."""
+    _IMPLEMENTATIONS[type(dynamics)].displacements(dynamics, step, xi)
+
+
+def advance(dynamics: Any, step: int, forces: np.ndarray) -> None:
+    """Take in the ``forces`` (2,) N of ``step`` and move on to the next one."""
+    _IMPLEMENTATIONS[type(dynamics)].advance(dynamics, step, forces)
+
+
+def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
+    """Fill ``stress`` (S,) Pa at the step whose ``forces`` (2,) N are given; before ``advance``."""
+    _IMPLEMENTATIONS[type(dynamics)].stresses(dynamics, forces, stress)
+
+
+def _kernel_of(dynamics: Any, name: str) -> Callable[..., Any] | None:
+    module = _IMPLEMENTATIONS.get(getattr(dynamics, "instance_class", None))
+    return getattr(module, name) if module else None
+
+
+@overload(displacements, strict=False)
+def _displacements(dynamics: Any, step: Any, xi: Any) -> Any:
+    implementation = _kernel_of(dynamics, "displacements")
+    return implementation and (lambda dynamics, step, xi: implementation(dynamics, step, xi))
+
+
+@overload(advance, strict=False)
+def _advance(dynamics: Any, step: Any, forces: Any) -> Any:
+    implementation = _kernel_of(dynamics, "advance")
+    return implementation and (lambda dynamics, step, forces: implementation(dynamics, step, forces))
+
+
+@overload(stresses, strict=False)
+def _stresses(dynamics: Any, forces: Any, stress: Any) -> Any:
+    implementation = _kernel_of(dynamics, "stresses")
+    return implementation and (lambda dynamics, forces, stress: implementation(dynamics, forces, stress))
