@@ -45,9 +45,8 @@ def _half(bay: Bay, omega: Real, x_load: float, x: Real, bays: int) -> Complex:
 
     def matrix(local: Real) -> sp.csc_array:
         own, ahead = bay.cell(local)
-        ones, square = np.ones((1, bays)), (bays, bays)
-        shift = sp.dia_array((ones, [1]), shape=square)
-        whole = sp.kron(sp.dia_array((ones, [0]), shape=square), own) + sp.kron(shift, ahead) + sp.kron(shift.T, ahead.T)
+        shift = sp.csr_array(np.eye(bays, k=1))
+        whole = sp.kron(sp.csr_array(np.eye(bays)), own) + sp.kron(shift, ahead) + sp.kron(shift.T, ahead.T)
         return sp.csc_array(sp.csr_array(whole)[kept][:, kept])
 
     M, C, K = matrix(bay.mass), matrix(bay.damping), matrix(bay.stiffness)
