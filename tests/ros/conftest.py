@@ -1,0 +1,195 @@
+"""Real nodes as real processes over the real middleware, each test in a ROS domain of its own."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import ExitStack
+
+import pytest
+
+PATIENCE = 40.0
+"""Bound on every wait, s: on a fresh machine the models are built first."""
+PROMPT = 15.0
+"""Bound on the end of a node that was told to end, s: a stage of building models is not broken off."""
+
+
+@pytest.fixture
+def domain():
+    """ROS domain that nobody else on this machine uses: an abstract socket holds it until the test ends."""
+    for number in range(1, 100):
+        holder = socket.socket(socket.AF_UNIX)
+        try:
+            holder.bind(f"\0wheelset_track_sim_domain_{number}")
+        except OSError:
+            holder.close()
+            continue
+        with holder:
+            yield number
+        return
+    pytest.fail("no ROS domain is free")
+
+
+class NodeProcess:
+    """``wheelset-track-sim node`` in a process of its own."""
+
+    def __init__(self, environment, parameters, arguments=()):
+        command = [sys.executable, "-m", "wheelset_track_sim", "node", *arguments]
+        given = [item for name, value in parameters.items() for item in ("-p", f"{name}:={value}")]
+        if given:
+            command += ["--ros-args", *given]
+        self.process = subprocess.Popen(
+            command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+
+    def signal(self, number):
+        """Exit status after a signal."""
+        self.process.send_signal(number)
+        return self.wait(PROMPT)
+
+    def wait(self, timeout=PATIENCE):
+        """Exit status; ``output`` and ``errors`` hold what was written."""
+        try:
+            self.output, self.errors = self.process.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired:
+            self.process.send_signal(signal.SIGABRT)  # the fault handler tells where it hangs
+            pytest.fail("the node did not end:\n" + "\n".join(self.process.communicate()))
+        return self.process.returncode
+
+
+@pytest.fixture
+def start(domain, tmp_path):
+    """Start a node: parameters by name, with ``__`` for a dot."""
+    environment = os.environ | {
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_PYTHON_CHECK_FIELDS": "1",
+        "PYTHONFAULTHANDLER": "1",
+        "ROS_LOG_DIR": str(tmp_path / "log"),
+    }
+    with ExitStack() as stack:
+
+        def start(*arguments, env=None, **parameters):
+            named = {name.replace("__", "."): value for name, value in parameters.items()}
+            node = NodeProcess(environment | (env or {}), named, arguments)
+            stack.callback(end, node.process)
+            return node
+
+        yield start
+
+
+def end(process):
+    if process.poll() is None:
+        process.kill()
+        process.communicate()
+
+
+class Client:
+    """Another process's view of the node: subscriptions and service calls."""
+
+    name = "/wheelset_track_sim"
+
+    def __init__(self, node):
+        self.node = node
+        self.arrived = threading.Condition()
+
+    def collect(self, topic, kind, latched=False):
+        """List that fills with the messages of a topic."""
+        import wheelset_track_msgs.msg
+        from rclpy.qos import DurabilityPolicy, QoSProfile
+
+        found = []
+
+        def take(message):
+            with self.arrived:
+                found.append(message)
+                self.arrived.notify_all()
+
+        quality = QoSProfile(
+            depth=500, durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
+        )
+        self.node.create_subscription(getattr(wheelset_track_msgs.msg, kind), f"{self.name}/{topic}", take, quality)
+        return found
+
+    def until(self, condition, timeout=PATIENCE):
+        """Wait until a condition on what was collected holds."""
+        with self.arrived:
+            assert self.arrived.wait_for(condition, timeout), "it did not come true in time"
+
+    def call(self, service, kind, timeout=PATIENCE, **fields):
+        """Answer of a service of the node."""
+        client = self.node.create_client(kind, f"{self.name}/{service}")
+        assert client.wait_for_service(timeout), f"there is no service {service}"
+        answered = threading.Event()
+        future = client.call_async(kind.Request(**fields))
+        future.add_done_callback(lambda _: answered.set())
+        assert answered.wait(timeout), f"{service} did not answer"
+        self.node.destroy_client(client)
+        return future.result()
+
+    def transition(self, label):
+        from lifecycle_msgs.msg import Transition
+        from lifecycle_msgs.srv import ChangeState
+
+        return self.call("change_state", ChangeState, transition=Transition(label=label)).success
+
+    def state(self, timeout=PATIENCE):
+        from lifecycle_msgs.srv import GetState
+
+        return self.call("get_state", GetState, timeout).current_state.label
+
+    def wait_for_state(self, label):
+        until = time.monotonic() + PATIENCE
+        while (found := self.state()) != label:
+            assert time.monotonic() < until, f"the node is {found}, not {label}"
+            time.sleep(0.05)
+
+    def set(self, atomically=False, **values):
+        """Answers to setting parameters."""
+        from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+        from rclpy.parameter import Parameter
+
+        wanted = [Parameter(name.replace("__", "."), value=value).to_parameter_msg() for name, value in values.items()]
+        if atomically:
+            return self.call("set_parameters_atomically", SetParametersAtomically, parameters=wanted).result
+        [result] = self.call("set_parameters", SetParameters, parameters=wanted).results
+        return result
+
+    def get(self, *names):
+        from rcl_interfaces.srv import GetParameters
+        from rclpy.parameter import parameter_value_to_python
+
+        return [
+            parameter_value_to_python(value) for value in self.call("get_parameters", GetParameters, names=names).values
+        ]
+
+
+@pytest.fixture
+def client(domain, monkeypatch):
+    import rclpy
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.task import Future
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    node = rclpy.create_node("client", context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    done = Future()
+    thread = threading.Thread(target=executor.spin_until_future_complete, args=[done])
+    thread.start()
+    yield Client(node)
+    done.set_result(None)
+    thread.join()
+    executor.shutdown()
+    node.destroy_node()
+    context.shutdown()
+
+
+@pytest.fixture(params=[signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
+def stop_signal(request):
+    return request.param
