@@ -175,7 +175,7 @@ def packages(extras: list[str], sourced: bool) -> None:
 
 def messages(inside: dict, sourced: bool) -> None:
     """msg_defs/ built by colcon and installed into .venv."""
-    key = digest(ROOT / "msg_defs", ROOT / "requirements", STAMPS / "environment")
+    key = digest(ROOT / "msg_defs", ROOT / "requirements" / "ros-jazzy.txt", STAMPS / "environment")
     if stamped("messages", key):
         return
     if not sourced:
