@@ -11,9 +11,9 @@ from contextlib import ExitStack
 
 import pytest
 
-PATIENCE = 40.0
+PATIENCE = 240.0
 """Bound on every wait, s: on a fresh machine the models are built first."""
-PROMPT = 15.0
+PROMPT = 60.0
 """Bound on the end of a node that was told to end, s: a stage of building models is not broken off."""
 
 
@@ -82,9 +82,14 @@ def start(domain, tmp_path):
 
 
 def end(process):
+    """Orderly, for a process that is killed leaves shared memory of the middleware behind."""
     if process.poll() is None:
-        process.kill()
-        process.communicate()
+        process.send_signal(signal.SIGINT)
+        try:
+            process.communicate(timeout=PROMPT)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
 
 
 class Client:
