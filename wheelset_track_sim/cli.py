@@ -56,6 +56,20 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
     run.set_defaults(command=_run)
 
+    study = commands.add_parser("study", help="a parameter study: runs, figures, tables, summary")
+    names = ", ".join(shipped.names("studies"))
+    study.add_argument("study", metavar="STUDY", help=f"a file, one of {names}, or all of these")
+    study.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: results/STUDY-DYNAMICS)"
+    )
+    study.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key in all runs")
+    study.add_argument("--dynamics", help="causal or paper")
+    study.add_argument("--workers", type=int, metavar="N", help="processes on this machine (default: one a core)")
+    study.add_argument(
+        "--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://host:8786, does the runs"
+    )
+    study.set_defaults(command=_study)
+
     commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
 
     report = commands.add_parser("report", help="a page and a table of a bag")
@@ -74,6 +88,14 @@ def _run(options: argparse.Namespace) -> int:
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
     return run(options.scenario, changes, options.duration, options.out, json=options.json)
+
+
+def _study(options: argparse.Namespace) -> int:
+    from .commands.study import study
+    from .studies.conduct import Place
+
+    changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
+    return study(options.study, changes, options.out, Place(options.workers, options.scheduler))
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -1,0 +1,130 @@
+"""What a study varies: axes, each with its points; the runs are their product."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import InputError
+from ..schema import unknown
+from . import units
+
+MOST_POINTS = 10_000
+
+FORMS = "a list of values, {start, stop, step}, {values}, or labels with {key: value} each"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One place on an axis: what is changed there."""
+
+    label: str
+    """As people read it, unit included."""
+    value: Any
+    """Value of the key, SI; the label if the axis has labels."""
+    changes: tuple[tuple[str, Any], ...]
+    """Dotted scenario keys with their values."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A dotted scenario key with its values, or a name with labelled changes of several keys."""
+
+    name: str
+    points: tuple[Point, ...]
+    meaning: str
+    """What is varied, as people read it."""
+    unit: str
+    """SI unit of the values."""
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether its values are numbers, which have an order and a distance."""
+        return all(isinstance(point.value, (int, float)) and not isinstance(point.value, bool) for point in self.points)
+
+    @property
+    def keys(self) -> set[str]:
+        """Scenario keys that it changes."""
+        return {key for point in self.points for key, _ in point.changes}
+
+    def point(self, value: Any, where: str) -> Point:
+        """Point of a value, in SI, or of a label; raises InputError for one that the axis does not have."""
+        for point in self.points:
+            if value in (point.label, point.value) or (self.is_numeric and _close(value, point.value)):
+                return point
+        known = [str(point.value) for point in self.points]
+        raise InputError(unknown("value", f"{where} = {value!r}", str(value), known))
+
+
+def read_axis(name: str, data: Any, where: str) -> Axis:
+    """Axis of a study's ``vary``; raises InputError naming ``where``."""
+    meaning, si = units.meaning(name)
+    if isinstance(data, Mapping) and data and all(isinstance(changes, Mapping) for changes in data.values()):
+        points = [Point(str(label), str(label), tuple(changes.items())) for label, changes in data.items()]
+        return Axis(name, _distinct(points, where), name, "")
+    values = _values(data, si, where)
+    numeric = all(isinstance(value, float) for value in values)
+    unit = units.for_people(si) if numeric else units.Unit("")
+    points = [
+        Point(f"{value / unit.size:.6g} {unit.name}".rstrip() if numeric else str(value), value, ((name, value),))
+        for value in values
+    ]
+    return Axis(name, _distinct(points, where), meaning, si if numeric else "")
+
+
+def _values(data: Any, si: str, where: str) -> list[Any]:
+    """Values in SI, numbers as floats, of a list or a mapping with a unit."""
+    size = 1.0
+    if isinstance(data, Mapping):
+        for key in data:
+            if key not in ("start", "stop", "step", "values", "unit"):
+                known = ["start", "stop", "step", "values", "unit"]
+                raise InputError(unknown("key", f"{where}.{key}", str(key), known))
+        size = _size(data.get("unit", si), si, where)
+        data = data.get("values") if "values" in data else _range(data, where)
+    if not isinstance(data, list) or not data:
+        raise InputError(f"{where} = {data!r} is no axis: give {FORMS}")
+    # Twelve digits: 0.05 mm times 3 is 0.00015 m, and nothing behind it.
+    return [float(f"{value * size:.12g}") if _is_number(value) else value for value in data]
+
+
+def _range(data: Mapping[str, Any], where: str) -> list[float]:
+    for key in ("start", "stop", "step"):
+        if not _is_number(data.get(key)):
+            raise InputError(f"{where}.{key} = {data.get(key)!r} is not a number: give {FORMS}")
+    start, stop, step = (float(data[key]) for key in ("start", "stop", "step"))
+    intervals = (stop - start) / step if step else math.inf
+    if not 0 <= intervals < MOST_POINTS:
+        raise InputError(f"{where} from {start:g} to {stop:g} by {step:g} is no range: give up to {MOST_POINTS} values")
+    if not _close(intervals, round(intervals)):
+        raise InputError(f"{where}.stop = {stop:g} is not a whole number of steps of {step:g} from {start:g}")
+    return [start + index * step for index in range(round(intervals) + 1)]
+
+
+def _size(name: Any, si: str, where: str) -> float:
+    """Size of a unit in SI."""
+    if name == si:
+        return 1.0
+    known = [unit for unit, (of, _) in units.ACCEPTED.items() if of == si]
+    if name not in known:
+        raise InputError(unknown("unit of this quantity", f"{where}.unit = {name!r}", str(name), [si, *known]))
+    return units.ACCEPTED[str(name)][1].size
+
+
+def _distinct(points: Iterable[Point], where: str) -> tuple[Point, ...]:
+    points = tuple(points)
+    labels = [point.label for point in points]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise InputError(f"{where} has {label} more than once: give each value once")
+    return points
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _close(value: Any, other: float) -> bool:
+    return _is_number(value) and math.isclose(value, other, rel_tol=1e-9, abs_tol=1e-12)

@@ -1,0 +1,104 @@
+"""Running a study: what is stored is taken, the rest is simulated and stored as it ends."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from ..errors import InputError, WheelsetTrackError
+from ..simulation.models import load_models
+from .evaluate import Job, Result, evaluate, program
+from .results import Results
+from .store import Store
+from .study import Run, Study
+from .workers import on_cluster, on_this_machine
+
+Progress = Callable[[str, float], None]
+
+RUNS = "runs"
+"""Folder of finished runs within the study's."""
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where runs are simulated."""
+
+    workers: int | None = None
+    """Processes on this machine; one a core if None."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler, whose workers then do all runs."""
+
+    def __post_init__(self) -> None:
+        if self.workers is not None and not 1 <= self.workers <= 1024:
+            raise InputError(f"--workers {self.workers} is out of range: give a number from 1 to 1024")
+        if self.workers is not None and self.scheduler is not None:
+            raise InputError("--workers is for this machine: a --scheduler has workers of its own")
+
+
+def conduct(
+    name: str, study: Study, runs: Sequence[Run], out: Path, place: Place, progress: Progress | None = None
+) -> tuple[Results, int]:
+    """Results of a study whose folder is ``out``, and how many runs were there already.
+
+    A run that fails is reported and told in the results. Raises InputError for a folder that cannot be written and
+    models that cannot be built.
+    """
+    store = Store(out / RUNS)
+    try:
+        store.folder.mkdir(parents=True, exist_ok=True)
+        store.tidy()
+    except OSError as reason:
+        raise InputError(f"{out} cannot be written ({reason.strerror}): give another folder with --out") from None
+    keys = [run.job.digest() for run in runs]
+    found = {index: result for index, key in enumerate(keys) if (result := store.load(key)) is not None}
+    there = len(found)
+    missing = sorted(set(range(len(runs))) - set(found), key=lambda index: -runs[index].job.effort)
+    failures: dict[int, str] = {}
+
+    def tell(share: float) -> None:
+        if progress:
+            progress(f"study {name}", share)
+
+    if missing and place.scheduler is None:
+        with suppress(WheelsetTrackError):  # of which the run itself will tell
+            # Once for all: the workers then find most of the models in the cache.
+            load_models(runs[missing[0]].scenario, progress, tables="smooth")
+    tell(there / max(1, len(runs)))
+    for index, ended in _done({index: runs[index].job for index in missing}, place):
+        if isinstance(ended, Result):
+            store.save(keys[index], ended, f"study {name}, run {runs[index].label}")
+            found[index] = ended
+        else:
+            failures[index] = _told(ended)
+            log.error("run %s failed: %s", runs[index].label, failures[index])
+            if not isinstance(ended, WheelsetTrackError):
+                log.debug("run %s", runs[index].label, exc_info=ended)
+        tell((len(found) + len(failures)) / len(runs))
+    return Results(name, study, tuple(runs), found, failures), there
+
+
+def _done(jobs: Mapping[int, Job], place: Place) -> Iterator[tuple[int, Result | Exception]]:
+    if not jobs:
+        return iter(())
+    work: Callable[[Job], Result] = partial(evaluate, made_for=program())
+    if place.scheduler is not None:
+        return on_cluster(work, jobs, place.scheduler)
+    return on_this_machine(work, jobs, min(place.workers or _cores(), len(jobs)))
+
+
+def _cores() -> int:
+    """Cores that this program may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _told(failure: Exception) -> str:
+    """A failure in one line."""
+    text = " ".join(str(failure).split())
+    return text if isinstance(failure, WheelsetTrackError) else f"{type(failure).__name__}: {text}"

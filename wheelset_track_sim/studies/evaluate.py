@@ -1,0 +1,166 @@
+"""One run of a study: what a worker is given, what it does, what it hands back."""
+
+from __future__ import annotations
+
+import dataclasses
+import threading
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import __version__, contact, green, irregularities, simulation, stress, structures
+from ..cache import digest
+from ..errors import WheelsetTrackError
+from ..irregularities import tread_heights
+from ..scenario import WHEELS, Scenario
+from ..simulation.block import SampleBlock
+from ..simulation.models import Models, load_models
+from ..simulation.simulator import Simulator
+from ..simulation.summary import summarise
+from ..stress.principal import maximum_principal
+from .outputs import value_of
+
+Real = NDArray[np.float64]
+
+INSTANTS = ("reference", "max_force")
+"""Instants of a contact pressure: angle 0 of the treads meets the rail; the wheel's contact force is largest."""
+PRESSURES = tuple(f"{wheel}.{instant}" for wheel in WHEELS for instant in INSTANTS)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is simulated and what is kept of it."""
+
+    scenario: Scenario
+    models: str
+    """Digest of the content of its wheelset and track."""
+    before: float
+    """Track from which results are kept, before the place where angle 0 of the treads meets the rail, m."""
+    after: float
+    """The same behind that place, m."""
+    outputs: tuple[str, ...]
+    histories: tuple[str, ...] = ()
+    pressures: tuple[str, ...] = ()
+
+    @property
+    def first_step(self) -> int:
+        """First step that is kept."""
+        return round((self.scenario.reference_position - self.before) / self.scenario.step_length)
+
+    @property
+    def samples(self) -> int:
+        """Steps that are kept, both ends included."""
+        return round((self.before + self.after) / self.scenario.step_length) + 1
+
+    @property
+    def effort(self) -> float:
+        """Steps to simulate, roughly: the settling phase takes the same time at every speed."""
+        return self.scenario.speed / self.scenario.step_length + self.first_step + self.samples
+
+    def digest(self) -> str:
+        """Digest of all that changes the result: scenario and content of its models, what is kept, the program.
+
+        The scenario's name does not.
+        """
+        plain = {key: value for key, value in self.scenario.to_mapping().items() if key != "name"}
+        kept = [self.before, self.after, self.outputs, self.histories, self.pressures]
+        return digest([program(), plain, self.models, kept])
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What is kept of a run."""
+
+    values: dict[str, float]
+    """Outputs by name, SI."""
+    arrays: dict[str, Real]
+    """Histories: ``position`` (n,) m along the track, ``forces`` (n, 2) N, ``principal`` (n, nodes) Pa,
+    ``displacements`` (n, 2, 2) m, ``irregularity`` (n, 2) m. Pressures: ``wheel_1.reference.pressure`` (nx, ny) Pa with
+    ``.x`` and ``.y`` in m and ``.at``: position in m and force in N."""
+
+
+@cache
+def program() -> str:
+    """Digest of the program: its version and the sources that simulate."""
+    return digest(__version__, contact, green, irregularities, simulation, stress, structures)
+
+
+def evaluate(job: Job, made_for: str) -> Result:
+    """Simulate a job and keep what it asks for; ``made_for`` is the program that the study runs on.
+
+    Raises WheelsetTrackError if the scenario cannot be simulated, or if this is another program.
+    """
+    if made_for != program():
+        raise WheelsetTrackError(
+            f"this worker has another program ({__version__}): install the same version everywhere"
+        )
+    simulator = Simulator(job.scenario, models=models(job.scenario))
+    if job.first_step:
+        simulator.advance(job.first_step)
+    block = simulator.advance(job.samples)
+    if len(block) < job.samples:
+        simulator.advance(job.samples - len(block))  # raises: the step behind the block has no solution
+    summary = summarise(block)
+    values = {name: value_of(summary, name) for name in job.outputs}
+    arrays: dict[str, Real] = {name: history(name, simulator, block) for name in job.histories}
+    if arrays:
+        steps = np.arange(block.first_step, block.first_step + len(block), dtype=np.float64)
+        arrays["position"] = steps * job.scenario.step_length
+    for name in job.pressures:
+        arrays |= pressure(name, simulator, block)
+    return Result(values, arrays)
+
+
+def models(scenario: Scenario) -> Models:
+    """Models of a scenario, kept for the thread's next run, which mostly differs in damage or speed alone.
+
+    Only the smooth tread has contact tables: a defect that passes once is solved faster than tabulated.
+    """
+    common = dataclasses.replace(scenario, name="any", speed=25.0, axle_load=2e5, irregularities=()).digest
+    if getattr(_kept, "common", None) != common:
+        _kept.models, _kept.common = load_models(scenario, tables="smooth"), common
+    kept: Models = _kept.models
+    return kept
+
+
+_kept = threading.local()
+
+
+def history(name: str, simulator: Simulator, block: SampleBlock) -> Real:
+    """One history over the latest block, samples first."""
+    if name == "forces":
+        return block.forces
+    if name == "principal":
+        stress: Real = maximum_principal(block.stresses)
+        return stress
+    if name == "displacements":
+        return simulator.displacements
+    common, scenario = simulator.models, simulator.in_force
+    turn = common.steps_per_revolution
+    at = (block.first_step + np.arange(len(block)) - common.tread_origin) % turn
+    middle = np.zeros(1)
+    heights: Real = np.stack(
+        [tread_heights(scenario.irregularities, wheel, turn, common.step_length, middle)[at, 0] for wheel in WHEELS],
+        axis=1,
+    )
+    return heights
+
+
+def pressure(name: str, simulator: Simulator, block: SampleBlock) -> dict[str, Real]:
+    """Contact pressure at one instant of the latest block."""
+    wheel_name, instant = name.split(".")
+    wheel = WHEELS.index(wheel_name)
+    if instant == "reference":
+        row = simulator.models.tread_origin - block.first_step
+    else:
+        row = int(block.forces[:, wheel].argmax())
+    patch = simulator.contact_patch(wheel, row)
+    position = block.position + row * simulator.in_force.step_length
+    return {
+        f"{name}.pressure": patch.pressure,
+        f"{name}.x": patch.x,
+        f"{name}.y": patch.y,
+        f"{name}.at": np.array([position, patch.force]),
+    }

@@ -1,0 +1,73 @@
+"""Numbers that a study keeps of each run, by name: ``wheels.wheel_1.max_force``, ``nodes.A1.max_principal``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..errors import InputError
+from ..scenario import WHEELS
+from ..schema import unknown
+from ..simulation.summary import Summary
+
+OF_WHEELS = {
+    "max_force": ("contact force", "max", "N"),
+    "min_force": ("contact force", "min", "N"),
+    "mean_force": ("contact force", "mean", "N"),
+    "rms_force": ("contact force", "root mean square", "N"),
+    "contact_loss": ("time without contact", "", "s"),
+}
+OF_NODES = {
+    "max_principal": ("max. principal stress", "max", "Pa"),
+    "min_principal": ("max. principal stress", "min", "Pa"),
+}
+"""Quantity, what of it over time, SI unit."""
+
+
+def known_outputs(nodes: Sequence[str]) -> list[str]:
+    """Names of all outputs of a run with these stress nodes."""
+    wheels = [f"wheels.{wheel}.{name}" for wheel in WHEELS for name in OF_WHEELS]
+    return [*wheels, *(f"nodes.{node}.{name}" for node in nodes for name in OF_NODES)]
+
+
+def check_output(name: str, nodes: Sequence[str], where: str) -> None:
+    """Raise InputError for an output that a run with these stress nodes does not have."""
+    known = known_outputs(nodes)
+    if name not in known:
+        raise InputError(unknown("output", f"{where} = {name!r}", name, known))
+
+
+def value_of(summary: Summary, name: str) -> float:
+    """Output of a run's summary, SI."""
+    kind, of, quantity = name.split(".")
+    if kind == "wheels":
+        return float(getattr(summary.wheels[WHEELS.index(of)], quantity))
+    return next((float(getattr(node, quantity)) for node in summary.nodes if node.name == of), float("nan"))
+
+
+def unit_of(name: str) -> str:
+    """SI unit of an output."""
+    return _of(name)[2]
+
+
+def quantity_of(name: str) -> str:
+    """What an output is, without wheel or node."""
+    return _of(name)[0]
+
+
+def extreme_of(name: str) -> str:
+    """What of its quantity over time an output is: ``max``."""
+    return _of(name)[1]
+
+
+def place_of(name: str) -> str:
+    """Wheel or node of an output."""
+    return name.split(".")[1].replace("_", " ")
+
+
+def label_of(name: str) -> str:
+    """An output as people read it."""
+    return ", ".join(filter(None, (f"{quantity_of(name)} {place_of(name)}", extreme_of(name))))
+
+
+def _of(name: str) -> tuple[str, str, str]:
+    return (OF_WHEELS | OF_NODES)[name.rpartition(".")[2]]

@@ -1,0 +1,87 @@
+"""What came out of a study, beside what the paper prints."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from .. import __version__
+from ..report.published import published_case
+from ..scenario import Scenario
+from .axes import Axis, Point
+from .evaluate import Result
+from .outputs import value_of
+from .study import Run, Study
+
+SLEEPER_SPACING = 0.6
+"""m, Section 4."""
+PAPER_BAND = 2500.0
+"""Hz, Section 5.1."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """A study with its runs; ``found`` and ``failures`` go by the index of the run."""
+
+    name: str
+    study: Study
+    runs: tuple[Run, ...]
+    found: Mapping[int, Result]
+    failures: Mapping[int, str]
+
+    @cached_property
+    def axes(self) -> tuple[Axis, ...]:
+        """What is varied."""
+        return self.study.axes
+
+    def axis(self, name: str) -> Axis:
+        """Axis of a name."""
+        return next(axis for axis in self.axes if axis.name == name)
+
+    def point(self, index: int, name: str) -> Point:
+        """Place of a run on the axis of a name."""
+        return next(point for axis, point in zip(self.axes, self.runs[index].points, strict=True) if axis.name == name)
+
+    @cached_property
+    def dynamics(self) -> str:
+        """Dynamics of the runs, as a sentence's subject: ``causal dynamics``."""
+        return " and ".join(sorted({run.scenario.dynamics for run in self.runs})) + " dynamics"
+
+    @property
+    def made_by(self) -> str:
+        """What made the results, and over which track: the small print of every figure."""
+        window = self.study.window
+        load = {run.scenario.axle_load / 9810 for run in self.runs}
+        speed = {3.6 * run.scenario.speed for run in self.runs}
+        facts = [f"{self.dynamics[0].upper()}{self.dynamics[1:]}"]
+        facts += [f"axle load {min(load):.4g} t"] if len(load) == 1 else []
+        facts += [f"{min(speed):.4g} km/h"] if len(speed) == 1 else []
+        around = (
+            f"{window.before:g} m before to {window.after:g} m behind the place where angle 0 of the treads meets it"
+        )
+        return f"{', '.join(facts)}; rail from {around}. wheelset-track-sim {__version__}"
+
+    def value(self, index: int, output: str) -> float:
+        """Output of a run, SI; NaN if the run failed."""
+        found = self.found.get(index)
+        return found.values[output] if found else math.nan
+
+    def published(self, index: int, output: str) -> float:
+        """What the paper prints for the case of a run, SI; NaN where it prints nothing."""
+        return published(self.runs[index].scenario, output)
+
+
+def published(scenario: Scenario, output: str) -> float:
+    """What the paper prints for a scenario, SI; NaN where it prints nothing.
+
+    A defect without depth is no damage, and the band limit of the paper is part of its case if there is one.
+    """
+    bays = scenario.reference_position / SLEEPER_SPACING
+    if scenario.max_frequency not in (None, PAPER_BAND) or not math.isclose(bays, round(bays), abs_tol=1e-6):
+        return math.nan
+    damage = tuple(defect for defect in scenario.irregularities if defect.h > 0)
+    case = published_case(dataclasses.replace(scenario, irregularities=damage))
+    return value_of(case.printed, output) if case else math.nan

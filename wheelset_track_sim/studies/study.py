@@ -1,0 +1,194 @@
+"""A study: a base scenario, what is varied, what is kept, what is drawn; from a YAML file, checked whole."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from .. import shipped
+from ..cache import digest
+from ..errors import InputError
+from ..scenario import Scenario, assign, load_scenario, override, scenario_from
+from ..schema import check, quantity, read, unknown
+from ..simulation.models import described
+from .axes import Axis, Point, read_axis
+from .evaluate import PRESSURES, Job
+from .histories import Histories
+from .lines import Lines
+from .outputs import check_output
+from .pressure_maps import PressureMaps
+from .registry import check_figure
+
+
+@dataclass(frozen=True)
+class Window:
+    """Track over which a run is evaluated, around the place where angle 0 of the treads meets the rail.
+
+    The default is the paper's: three sleeper bays (Section 5.4), with the defect in their middle.
+    """
+
+    before: float = quantity("m", 0.0, 100.0, "the evaluated track before the reference position", default=0.9)
+    after: float = quantity("m", 0.0, 10000.0, "the evaluated track behind the reference position", default=0.9)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a study."""
+
+    points: tuple[Point, ...]
+    """Its place on each axis."""
+    job: Job
+
+    @property
+    def scenario(self) -> Scenario:
+        """What is simulated."""
+        return self.job.scenario
+
+    @property
+    def label(self) -> str:
+        """Its place on each axis as people read it."""
+        return ", ".join(point.label for point in self.points) or self.scenario.name
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study file says."""
+
+    title: str
+    description: str = ""
+    scenario: Any = "damage_wheel_1"
+    """Name of a shipped scenario, path of a file, or a mapping."""
+    set: Any = field(default_factory=dict)
+    """Dotted scenario keys that differ from the base scenario in all runs."""
+    vary: Any = field(default_factory=dict)
+    """Axes, the first varied slowest: see ``axes.read_axis``."""
+    window: Window = field(default_factory=Window)
+    outputs: tuple[str, ...] = ()
+    """Numbers that are kept: see ``outputs``."""
+    histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
+    """What is kept of every step."""
+    pressures: tuple[str, ...] = ()
+    """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
+    drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
+    """Figures of the runs' results."""
+    figures: tuple[str, ...] = ()
+    """Figures that are drawn from the models, without runs: see ``registry``."""
+
+    def __post_init__(self) -> None:
+        for name in ("set", "vary"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise InputError(f"{name} = {getattr(self, name)!r} is not a mapping of scenario keys")
+        for index, figure in enumerate(self.figures):
+            check_figure(figure, f"figures.{index}")
+        for index, name in enumerate(self.pressures):
+            if name not in PRESSURES:
+                raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
+        if not (self.has_runs or self.figures):
+            raise InputError("outputs is missing: name what is kept, such as wheels.wheel_1.max_force")
+        axes = self.axes  # read now, so that a study that exists can be used
+        keys = sorted(key for axis in axes for key in axis.keys)
+        for key, following in itertools.pairwise(keys):
+            if key == following:
+                raise InputError(f"vary changes {key} along two axes: give it in one")
+        for index, drawing in enumerate(self.drawings):
+            drawing.check(self, f"drawings.{index}")
+
+    @property
+    def has_runs(self) -> bool:
+        """Whether anything is simulated."""
+        return bool(self.outputs or self.histories or self.pressures)
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """What is varied."""
+        return tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+
+    def base(self, changes: Sequence[str] = ()) -> dict[str, Any]:
+        """Base scenario as a plain mapping, with the study's changes and then ``key=value`` ones; raises InputError."""
+        named = self.scenario
+        base = scenario_from(named) if isinstance(named, Mapping) else load_scenario(named)
+        data = base.to_mapping()
+        for key, value in self.set.items():
+            assign(data, key, copy.deepcopy(value), "set.")
+        varied = {key for axis in self.axes for key in axis.keys}
+        for change in changes:
+            if change.partition("=")[0] in varied:
+                raise InputError(f"--set {change}: the study varies {change.partition('=')[0]} itself")
+            override(data, change)
+        return data
+
+    def runs(self, changes: Sequence[str] = ()) -> tuple[Run, ...]:
+        """All runs, the last axis varied fastest; raises InputError for the first that cannot be simulated."""
+        if not self.has_runs:
+            return ()
+        base, axes = self.base(changes), self.axes
+        described = _Described()
+        return tuple(
+            self._run(base, axes, points, described) for points in itertools.product(*(axis.points for axis in axes))
+        )
+
+    def _run(
+        self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...], described: _Described
+    ) -> Run:
+        data = copy.deepcopy(base)
+        place = ", ".join(f"{axis.name} {point.label}" for axis, point in zip(axes, points, strict=True))
+        try:
+            for axis, point in zip(axes, points, strict=True):
+                for key, value in point.changes:
+                    assign(data, key, copy.deepcopy(value), f"vary.{axis.name}: ")
+            for model in ("wheelset", "track"):
+                if isinstance(data[model], str) and data[model] not in shipped.names(f"{model}s"):
+                    data[model] = shipped.load_yaml(f"{model}s", data[model])  # a worker may not have the file
+            scenario = scenario_from(data)
+            models, nodes = described(scenario)
+            self._check(scenario, nodes)
+        except InputError as refusal:
+            raise InputError(f"{refusal} (run {place or data['name']})") from None
+        kept = (self.outputs, self.histories, self.pressures)
+        return Run(points, Job(scenario, models, self.window.before, self.window.after, *kept))
+
+    def _check(self, scenario: Scenario, stress_nodes: Sequence[str]) -> None:
+        """Raise InputError for what the study asks of a run that it does not have."""
+        for index, node in enumerate(scenario.output.stress_nodes):
+            if node not in stress_nodes:
+                where = f"output.stress_nodes.{index} = {node!r}"
+                raise InputError(unknown("stress node of this wheelset", where, node, stress_nodes))
+        for index, name in enumerate(self.outputs):
+            check_output(name, scenario.output.stress_nodes, f"outputs.{index}")
+        if self.window.before > scenario.reference_position + 1e-9:
+            raise InputError(
+                f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
+                f"{scenario.reference_position:g} m, or raise reference_position"
+            )
+
+
+class _Described:
+    """Digest and stress nodes of the models of scenarios; each kind of model is read once."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, tuple[str, list[str]]] = {}
+
+    def __call__(self, scenario: Scenario) -> tuple[str, list[str]]:
+        """Raises InputError for models that cannot be used."""
+        named = digest([scenario.wheelset, scenario.track, scenario.step_length])
+        if named not in self._known:
+            wheelset, track = described(scenario)
+            self._known[named] = digest([wheelset, track]), [node.name for node in wheelset.stress_nodes]
+        return self._known[named]
+
+
+def load_study(name_or_path: str | Path) -> Study:
+    """Study from a shipped name or a file; raises InputError in one line for anything that cannot be used."""
+    try:
+        return read(Study, shipped.load_yaml("studies", name_or_path), "")
+    except InputError as refusal:
+        if str(name_or_path) in str(refusal):
+            raise
+        raise InputError(f"study {name_or_path}: {refusal}") from None

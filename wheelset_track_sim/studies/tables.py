@@ -1,0 +1,151 @@
+"""Tables of a study: CSV in SI for programs, rows of text for people."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..scenario import WHEELS
+from . import drawing, units
+from .histories import DISTANCE
+from .outputs import label_of, unit_of
+from .results import Results
+
+MOST_ROWS = 30
+"""Runs that are shown one by one; of more, the extremes along the longest axis are."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of text under headings with units."""
+
+    title: str
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def write_csv(results: Results, out: Path) -> list[Path]:
+    """Write ``results.csv`` with one row a run, and what else is kept of each run; SI units, in the headings."""
+    indices = range(len(results.runs))
+    columns: dict[str, Any] = {}
+    for axis in results.axes:
+        points = [results.point(index, axis.name) for index in indices]
+        values = [point.value if axis.is_numeric else point.label for point in points]
+        columns[units.text(axis.name, axis.unit)] = values
+    columns["dynamics"] = [run.scenario.dynamics for run in results.runs]
+    for name in results.study.outputs:
+        columns[units.text(label_of(name), unit_of(name))] = [results.value(index, name) for index in indices]
+    for name in results.study.outputs:
+        paper = [results.published(index, name) for index in indices]
+        if np.isfinite(paper).any():
+            columns[f"paper: {units.text(label_of(name), unit_of(name))}"] = paper
+    paths = [drawing.table(out, "results", columns)] if results.study.outputs else []
+    for index in sorted(results.found):
+        label = re.sub(r"\W+", "_", results.runs[index].label).strip("_")
+        if results.study.histories:
+            paths.append(drawing.table(out, f"history_{label}", _history(results, index)))
+        for name in results.study.pressures:
+            file = f"pressure_{label}_{name.replace('.', '_')}"
+            paths.append(drawing.table(out, file, _pressure(results, index, name)))
+    return paths
+
+
+def tables(results: Results) -> Iterator[Table]:
+    """Tables for people: all runs or their extremes, and what the paper prints beside."""
+    if results.study.outputs:
+        yield _runs(results) if len(results.runs) <= MOST_ROWS else _extremes(results)
+    compared = tuple(_compared(results))
+    if compared:
+        yield Table("Beside the paper", ("run", "quantity", "this study", "paper", "difference"), compared)
+    if results.failures:
+        rows = tuple((results.runs[index].label, results.failures[index]) for index in sorted(results.failures))
+        yield Table("Runs that failed", ("run", "reason"), rows)
+
+
+def number(value: float) -> str:
+    """A value in the unit of its column: four digits, at most two behind the point."""
+    if math.isnan(value):
+        return "–"
+    return f"{value:.2f}" if abs(value) < 10 else f"{value:.1f}"
+
+
+def _runs(results: Results) -> Table:
+    names = results.study.outputs
+    shown = [units.for_people(unit_of(name)) for name in names]
+    headings = [units.text(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
+    values = [
+        [number(results.value(index, name) / unit.size) for name, unit in zip(names, shown, strict=True)]
+        for index in range(len(results.runs))
+    ]
+    if len(results.runs) == 1:
+        return Table("The run", ("quantity", "value"), tuple(zip(headings, values[0], strict=True)))
+    rows = [(*(point.label for point in run.points), *row) for run, row in zip(results.runs, values, strict=True)]
+    return Table("All runs", (*(axis.meaning for axis in results.axes), *headings), tuple(rows))
+
+
+def _extremes(results: Results) -> Table:
+    """Largest and smallest value of every output along the longest axis, for each combination of the others."""
+    longest = max(results.axes, key=lambda axis: len(axis.points))
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for index in range(len(results.runs)):
+        rest = tuple(results.point(index, axis.name).label for axis in results.axes if axis is not longest)
+        groups.setdefault(rest, []).append(index)
+    rows = []
+    for rest, indices in groups.items():
+        for name in results.study.outputs:
+            shown = units.for_people(unit_of(name))
+            known = [index for index in indices if not math.isnan(results.value(index, name))]
+            if not known:
+                continue
+            ends = [pick(known, key=lambda index: results.value(index, name)) for pick in (max, min)]
+            places = [results.point(end, longest.name).label for end in ends]
+            values = [number(results.value(end, name) / shown.size) for end in ends]
+            texts = [f"{value} {shown.name} at {place}" for value, place in zip(values, places, strict=True)]
+            rows.append((*rest, label_of(name), *texts))
+    others = [axis.meaning for axis in results.axes if axis is not longest]
+    headings = (*others, "quantity", "largest", "smallest")
+    return Table(f"Extremes over the {longest.meaning}", headings, tuple(rows))
+
+
+def _compared(results: Results) -> Iterator[tuple[str, ...]]:
+    for index, run in enumerate(results.runs):
+        for name in results.study.outputs:
+            ours, paper = results.value(index, name), results.published(index, name)
+            if not math.isnan(paper):
+                shown = units.for_people(unit_of(name))
+                difference = f"{100 * (ours / paper - 1):+.1f} %" if paper else "–"
+                texts = [f"{number(value / shown.size)} {shown.name}" for value in (ours, paper)]
+                yield (run.label, label_of(name), *texts, difference)
+
+
+def _history(results: Results, index: int) -> dict[str, Any]:
+    arrays, scenario = results.found[index].arrays, results.runs[index].scenario
+    columns: dict[str, Any] = {DISTANCE: arrays["position"] - scenario.reference_position}
+    for place, wheel in enumerate(WHEELS):
+        for name, quantity in (("irregularity", "irregularity at y = 0 (m)"), ("forces", "contact force (N)")):
+            if name in arrays:
+                columns[f"{wheel} {quantity}"] = arrays[name][:, place]
+        if "displacements" in arrays:
+            columns[f"{wheel} displacement upwards (m)"] = arrays["displacements"][:, 0, place]
+            columns[f"{wheel} rail displacement downwards (m)"] = arrays["displacements"][:, 1, place]
+    for place, node in enumerate(scenario.output.stress_nodes if "principal" in arrays else ()):
+        columns[f"{node} maximum principal stress (Pa)"] = arrays["principal"][:, place]
+    return columns
+
+
+def _pressure(results: Results, index: int, name: str) -> dict[str, Any]:
+    """Elements in contact, row by row along the track."""
+    arrays = results.found[index].arrays
+    pressure = arrays[f"{name}.pressure"]
+    at_x, at_y = np.nonzero(pressure > 0)
+    return {
+        "x from the contact point (m)": arrays[f"{name}.x"][at_x],
+        "y (m)": arrays[f"{name}.y"][at_y],
+        "pressure (Pa)": pressure[at_x, at_y],
+    }
