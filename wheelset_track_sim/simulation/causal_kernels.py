@@ -16,22 +16,23 @@ class Causal(NamedTuple):
     """State and coefficients; P wheelset modes, Q track modes (the symmetric half's first), L steps a bay.
 
     The state is the predictor ``r``: each mode at the coming step, but for that step's own force. With the hold
-    coefficients ``a, b0, b1`` of ``simulation.hold`` and ``c = a b1 + b0``, one step is ``r <- a r + c (input F)``.
+    coefficients ``a, b0, b1`` of ``simulation.hold`` one step is ``r <- a r + (a b1 + b0) s F``, s the modal load of a
+    unit force; that product is the gain of a wheel and the input of the track.
     """
 
     wheel_state: np.ndarray  # (2, P) real and imaginary part of r
     wheel_factor: np.ndarray  # (2, P) a
-    wheel_gain: np.ndarray  # (2, 2, P) c times the input of wheel m: [part, m]
+    wheel_gain: np.ndarray  # (2, 2, P) of wheel m: [part, m]
     wheel_output: np.ndarray  # (2, 2, P) away from the rail, at wheel m: [part, m]
     track_state: np.ndarray  # (2, Q)
-    track_factor: np.ndarray  # (2, Q) a, with the step along the rail in it
-    track_gain: np.ndarray  # (2, Q) c
+    track_factor: np.ndarray  # (2, Q) a in the moving frame
     track_input: np.ndarray  # (2, L, Q) at the position in the bay
     track_output: np.ndarray  # (2, L, Q)
     symmetric: int  # number of modes of the symmetric half
     stress_output: np.ndarray  # (2, S, P) of the S stress components that are not zero by symmetry
     stress_direct: np.ndarray  # (S, 2) Pa/N of the force at the same step
     compliance: np.ndarray  # (L, 2) m/N at the contacts of the force at the same step
+    speed: float  # m/s to which the track modes belong
 
 
 @summing_kernel
@@ -78,12 +79,10 @@ def advance(dynamics: Causal, step: int, forces: np.ndarray) -> None:
 def _advance_track(dynamics: Causal, place: int, first: int, last: int, force: float) -> None:
     re, im = dynamics.track_state[0], dynamics.track_state[1]
     a_re, a_im = dynamics.track_factor[0], dynamics.track_factor[1]
-    c_re, c_im = dynamics.track_gain[0], dynamics.track_gain[1]
     in_re, in_im = dynamics.track_input[0, place], dynamics.track_input[1, place]
     for q in range(first, last):
-        load_re, load_im = in_re[q] * force, in_im[q] * force
-        real = a_re[q] * re[q] - a_im[q] * im[q] + c_re[q] * load_re - c_im[q] * load_im
-        im[q] = a_re[q] * im[q] + a_im[q] * re[q] + c_re[q] * load_im + c_im[q] * load_re
+        real = a_re[q] * re[q] - a_im[q] * im[q] + in_re[q] * force
+        im[q] = a_re[q] * im[q] + a_im[q] * re[q] + in_im[q] * force
         re[q] = real
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.law_kernels import ContactLaw, contact_force
+from ..contact.law_kernels import ContactLaw, solved_force, tabulated_force
 from ..jit import kernel
 from .dynamics_kernels import advance, displacements, stresses
 
@@ -37,7 +37,10 @@ def run(
         for wheel in range(2):
             approach = preload[wheel] - xi[row, 0, wheel] - xi[row, 1, wheel]
             compliance = dynamics.compliance[step % bay, wheel]
-            force = contact_force(law, wheel, (step - tread_origin) % period, step, approach, compliance)
+            tread = (step - tread_origin) % period
+            force = tabulated_force(law, wheel, tread, approach, compliance)
+            if not np.isfinite(force):
+                force = solved_force(law, wheel, tread, step, approach, compliance)
             if not np.isfinite(force):
                 return row
             forces[row, wheel] = force

@@ -33,7 +33,7 @@ def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
 
 
 def _kernel_of(dynamics: Any, name: str) -> Callable[..., Any] | None:
-    module = _IMPLEMENTATIONS.get(getattr(dynamics, "instance_class", None))
+    module = _IMPLEMENTATIONS.get(getattr(dynamics, "instance_class", type(None)))
     return getattr(module, name) if module else None
 
 

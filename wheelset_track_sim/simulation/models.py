@@ -17,7 +17,8 @@ from ..errors import InputError
 from ..irregularities import Breakout
 from ..scenario import Scenario
 from ..structures.track import Track, load_track
-from ..structures.track_ring import MAX_FREQUENCY, track_ring
+from ..structures.track_balance import moving_track
+from ..structures.track_ring import MAX_FREQUENCY
 from ..structures.wheelset import Wheelset, load_wheelset
 from ..structures.wheelset_reduction import reduced_wheelset
 from .causal import causal_model, truncated
@@ -89,9 +90,10 @@ def load_models(
     if scenario.dynamics == "paper":
         dynamics = paper_model(reduced, track, nodes, max_frequency=band, lag_zero=lag_zero, progress=progress)
     else:
-        ring = track_ring(track, dx, max_frequency=min(band or MAX_FREQUENCY, MAX_FREQUENCY), progress=progress)
+        limit = min(band or MAX_FREQUENCY, MAX_FREQUENCY)
+        running = moving_track(track, dx, max_frequency=limit, progress=progress)
         kept = reduced if band is None else truncated(reduced, band)
-        dynamics = causal_model(kept, ring, nodes, lag_zero)
+        dynamics = causal_model(kept, running, nodes, lag_zero)
     return Models(
         wheelset=wheelset,
         track=track,

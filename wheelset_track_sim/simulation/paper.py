@@ -88,7 +88,7 @@ class PaperModel:
             load=wheel_load,
             past=np.zeros((2, tables.wheel.shape[-1])),
             coming=np.zeros((2, tables.direct.shape[-1])),
-            count=np.zeros(1, np.int64),
+            done=np.zeros(1, np.int64),
             compliance=tables.compliance,
         )
 

@@ -24,9 +24,9 @@ class Paper(NamedTuple):
     rail_static: np.ndarray  # (L,) m that it displaces the rails while it runs over them
     stress_static: np.ndarray  # (S,) Pa
     load: float  # P, N on each wheel
-    past: np.ndarray  # (2, N) F - P of the steps done, the newest first, from index N - count[0] on
+    past: np.ndarray  # (2, N) F - P of the steps done, the newest first, from index N - done[0] on
     coming: np.ndarray  # (2, M) m on the rails at coming steps by F - P of the steps done; step modulo M
-    count: np.ndarray  # (1,) number of steps done
+    done: np.ndarray  # (1,) number of steps done
     compliance: np.ndarray  # (L, 2) m/N at the contacts of the force at the same step
 
 
@@ -38,7 +38,7 @@ def displacements(dynamics: Paper, step: int, xi: np.ndarray) -> None:
     for wheel in range(2):
         total = 0.0
         for other in range(2):
-            total += _convolution(dynamics.wheel[wheel, other], dynamics.past[other], dynamics.count[0])
+            total += _convolution(dynamics.wheel[wheel, other], dynamics.past[other], dynamics.done[0])
         xi[0, wheel] = dynamics.wheel_static[wheel] + total
         xi[1, wheel] = dynamics.rail_static[place] + dynamics.coming[wheel, slot]
 
@@ -58,10 +58,10 @@ def advance(dynamics: Paper, step: int, forces: np.ndarray) -> None:
             coming[slot + n] += direct[n] * one + cross[n] * other
         for n in range(max(1, samples - slot), samples):
             coming[slot + n - samples] += direct[n] * one + cross[n] * other
-    newest = dynamics.past.shape[1] - dynamics.count[0] - 1
+    newest = dynamics.past.shape[1] - dynamics.done[0] - 1
     for wheel in range(2):
         dynamics.past[wheel, newest] = forces[wheel] - dynamics.load
-    dynamics.count[0] += 1
+    dynamics.done[0] += 1
 
 
 @summing_kernel
@@ -70,7 +70,7 @@ def stresses(dynamics: Paper, forces: np.ndarray, stress: np.ndarray) -> None:
     for s in range(stress.size):
         total = 0.0
         for wheel in range(2):
-            total += _convolution(dynamics.stress[s, wheel], dynamics.past[wheel], dynamics.count[0])
+            total += _convolution(dynamics.stress[s, wheel], dynamics.past[wheel], dynamics.done[0])
         stress[s] = dynamics.stress_static[s] + total
 
 
