@@ -39,7 +39,7 @@ BAYS = 40
 """Bays over which a load is followed: 0.86 s at 100 km/h (Fig. 8)."""
 
 STARTS = 24
-"""Start positions in a bay at which the functions are worked out; the steps between come from a periodic spline."""
+"""Start positions in a bay at which the functions are worked out; the steps between come from a spline over the bay."""
 
 PERIOD_SLACK = 1.15
 """Period of the inverse transform over the length of the functions; the rail has come to rest by then."""
@@ -73,7 +73,7 @@ class MovingGreenFunctions:
     @staticmethod
     def _at_steps(table: Real, steps: int) -> Real:
         starts = np.linspace(0.0, 1.0, len(table) + 1)
-        spline = CubicSpline(starts, np.concatenate([table, table[:1]]), bc_type="periodic")
+        spline = CubicSpline(starts, np.concatenate([table, table[:1]]))  # not smooth at the sleeper: a kink is there
         values: Real = spline(np.arange(steps) / steps)
         return values
 

@@ -32,7 +32,7 @@ class Store:
         if not path.exists():
             return None
         try:
-            with np.load(path, allow_pickle=False) as file:
+            with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
                 entries = dict(file)  # reads all of it, so that the checksums are checked
             values = json.loads(str(entries.pop(VALUES)))
             entries.pop(LABEL)
