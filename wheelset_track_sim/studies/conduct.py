@@ -81,7 +81,7 @@ def conduct(
             if not isinstance(ended, WheelsetTrackError):
                 log.debug("run %s", runs[index].label, exc_info=ended)
         tell((len(found) + len(failures)) / len(runs))
-    return Results(name, study, tuple(runs), found, failures), there
+    return Results(name, study, tuple(runs), dict(sorted(found.items())), failures), there
 
 
 def _done(jobs: Mapping[int, Job], place: Place) -> Iterator[tuple[int, Result | Exception]]:

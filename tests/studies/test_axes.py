@@ -1,0 +1,84 @@
+import pytest
+
+from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.studies import units
+from wheelset_track_sim.studies.axes import read_axis
+
+
+def values(name, data):
+    return [point.value for point in read_axis(name, data, f"vary.{name}").points]
+
+
+def test_range_holds_both_ends_and_round_numbers() -> None:
+    depths = values("irregularities.0.h", {"start": 0, "stop": 3, "step": 0.05, "unit": "mm"})
+    assert len(depths) == 61
+    assert depths[0] == 0.0
+    assert depths[3] == 0.00015
+    assert depths[40] == 0.002
+    assert depths[-1] == 0.003
+
+
+def test_values_are_read_in_si_and_shown_for_people() -> None:
+    axis = read_axis("speed", {"values": [40, 100], "unit": "km/h"}, "vary.speed")
+    assert [point.value for point in axis.points] == pytest.approx([40 / 3.6, 100 / 3.6])
+    assert [point.label for point in axis.points] == ["40 km/h", "100 km/h"]
+    assert (axis.meaning, axis.unit) == ("running speed", "m/s")
+    load = read_axis("axle_load", {"values": [20], "unit": "t"}, "vary.axle_load")
+    assert (load.points[0].value, load.points[0].label) == (196200.0, "196.2 kN")
+
+
+def test_labels_change_several_keys() -> None:
+    axis = read_axis("size", {"A": {"irregularities.0.a": 0.01, "irregularities.0.b": 0.008}}, "vary.size")
+    assert axis.points[0].changes == (("irregularities.0.a", 0.01), ("irregularities.0.b", 0.008))
+    assert axis.keys == {"irregularities.0.a", "irregularities.0.b"}
+    assert not axis.is_numeric
+    assert axis.point("A", "size").label == "A"
+
+
+def test_texts_are_values_too() -> None:
+    assert values("lag_zero", ["residual", "zero"]) == ["residual", "zero"]
+
+
+@pytest.mark.parametrize(
+    ("key", "meaning"),
+    [
+        ("irregularities.0.h", ("depth", "m")),
+        ("track.sleeper.length", None),
+        ("max_frequency", ("band limit", "Hz")),
+        ("lag_zero", ("lag_zero", "")),
+        ("nothing.at.all", ("nothing.at.all", "")),
+    ],
+)
+def test_meaning_of_keys_comes_from_their_declaration(key: str, meaning: tuple[str, str] | None) -> None:
+    found = units.meaning(key)
+    assert found == meaning or (meaning is None and found[1] == "m")
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ({"start": 0, "stop": 1}, "vary.speed.step = None is not a number"),
+        ({"start": 0, "stop": 1, "step": 0.3}, "vary.speed.stop = 1 is not a whole number of steps of 0.3"),
+        ({"start": 1, "stop": 0, "step": 0.5}, "vary.speed from 1 to 0 by 0.5 is no range"),
+        ({"start": 0, "stop": 1, "step": 0}, "is no range"),
+        ({"start": 0, "stop": float("nan"), "step": 1}, "vary.speed.stop = nan is not a number"),
+        ({"values": [1], "unit": "mph"}, "vary.speed.unit = 'mph' is not a known unit of this quantity"),
+        ({"values": [1], "unit": "mm"}, "known are m/s, km/h"),
+        ({"valves": [1]}, "vary.speed.valves is not a known key: did you mean values?"),
+        ([30, 30.0], "vary.speed has 108 km/h more than once"),
+        ([], "vary.speed = [] is no axis"),
+        (30, "vary.speed = 30 is no axis"),
+        ({}, "not a number"),
+    ],
+)
+def test_refusals_name_the_axis(data, said: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        read_axis("speed", data, "vary.speed")
+    assert said in str(refusal.value)
+
+
+def test_value_that_is_not_on_the_axis_is_refused() -> None:
+    axis = read_axis("irregularities.0.h", [0.0003, 0.002], "vary.h")
+    assert axis.point(0.3e-3, "at").label == "0.3 mm"
+    with pytest.raises(InputError, match=r"at = 0.001 is not a known value: .*known are 0.0003, 0.002"):
+        axis.point(0.001, "at")
