@@ -64,9 +64,7 @@ def main(extras: list[str]) -> int:
 def set_up(extras: list[str]) -> None:
     """Environment, packages, messages: each if it is missing or out of date."""
     sourced = sourced_ros()
-    python, found = interpreter(sourced)
-    environment(python, found, sourced)
-    inside = probe(str(VENV / "bin" / "python")) or {}
+    inside = environment(sourced)
     packages(extras, sourced)
     messages(inside, sourced)
 
@@ -117,17 +115,23 @@ def probe(python: str) -> dict | None:
         return None
 
 
-def environment(python: str, found: dict, sourced: bool) -> None:
-    """A fresh .venv if there is none, or one of another Python, another place or another ROS."""
-    key = digest(str(VENV), found["version"], sourced, os.environ.get("AMENT_PREFIX_PATH", "") if sourced else "")
-    if stamped("environment", key):
-        return
+def environment(sourced: bool) -> dict:
+    """What the Python of .venv says of itself; a fresh .venv if there is none, or one of another place or ROS.
+
+    One that is there keeps its Python, whichever called this.
+    """
+    own = str(VENV / "bin" / "python")
+    where = (str(VENV), sourced, os.environ.get("AMENT_PREFIX_PATH", "") if sourced else "")
+    inside = probe(own)
+    if inside and stamped("environment", digest(where, inside["version"])):
+        return inside
+    python, found = interpreter(sourced)
     version = "{}.{}".format(*found["version"])
     missing = {
         f"python{version}-venv": not found["ensurepip"],
         f"python{version}-dev": not found["headers"],
         "build-essential": not all(
-            shutil.which(os.environ.get(name, tool).split()[0])
+            shutil.which((os.environ.get(name) or tool).split()[0])
             for name, tool in (("CC", "cc"), ("CXX", "c++"), ("MAKE", "make"))
         ),
     }
@@ -141,10 +145,13 @@ def environment(python: str, found: dict, sourced: bool) -> None:
     options = ["--system-site-packages"] if sourced else []
     VENV.mkdir()
     run(f"create .venv (Python {version})", [python, "-m", "venv", *options, str(VENV)], "see its last lines above")
+    inside = probe(own)
+    if not inside:
+        raise SetupError(f"{own} does not run: see whether {python} works, and call again")
     if sourced:
-        site = probe(str(VENV / "bin" / "python"))["site"]
-        (Path(site) / "wheelset_track_msgs.pth").write_text(LIBRARY_PATH)
-    stamp("environment", key)
+        (Path(inside["site"]) / "wheelset_track_msgs.pth").write_text(LIBRARY_PATH)
+    stamp("environment", digest(where, inside["version"]))
+    return inside
 
 
 def packages(extras: list[str], sourced: bool) -> None:
