@@ -71,3 +71,12 @@ def test_round_trip(ring) -> None:
     assert np.array_equal(again.symmetric.rate, track.symmetric.rate)
     with pytest.raises(KeyError):
         MovingTrack.from_arrays({})
+
+
+def test_a_band_with_fewer_states_than_the_order_keeps_those_that_rounding_leaves():
+    half = track_ring(load_track("ballasted_60e1"), 0.01, max_frequency=250.0).symmetric
+    reduced = balanced(half, ORDER)
+    assert len(reduced.rate) < 2 * len(half.poles) < ORDER
+    static = -(half.output * half.input / half.poles).real.sum(axis=1) + half.residual
+    assert np.abs(reduced.compliance() - static).max() < 1e-9 * static.max()
+    assert (reduced.modes(30.0).poles.real < 0).all()

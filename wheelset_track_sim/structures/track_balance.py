@@ -39,6 +39,9 @@ Complex = NDArray[np.complex128]
 ORDER = 200
 """Real states of a half track."""
 
+ROUNDING = 1e-12
+"""Share of the largest Hankel singular value below which a state is made of rounding errors."""
+
 SPEEDS = (7.0, 15.0, 30.0, 60.0, 100.0)
 """Speeds, m/s, whose Gramians are added."""
 
@@ -157,9 +160,8 @@ def moving_track(
 
 
 def balanced(half: HalfRing, order: int) -> HalfTrack:
-    """Half a ring in its ``order`` real states that count most."""
+    """Half a ring in its ``order`` real states that count most; in fewer if the others are lost in rounding."""
     modes = len(half.poles)
-    order = min(order, 2 * modes)
     reach = observe = np.zeros((2 * modes, 2 * modes))
     for speed in SPEEDS:
         poles = half.moving_poles(speed)
@@ -167,6 +169,7 @@ def balanced(half: HalfRing, order: int) -> HalfTrack:
         observe = observe + gramian(poles.conj(), half.output.conj())
     reached, observed = _root(reach), _root(observe)
     left, values, right = np.linalg.svd(observed.T @ reached)
+    order = min(order, int(np.count_nonzero(values > ROUNDING * values[0])))
     scale = 1.0 / np.sqrt(values[:order])
     T = reached @ right[:order].T * scale  # (2 modes, order)
     W = observed @ left[:, :order] * scale
