@@ -53,7 +53,7 @@ def test_contact_conditions_hold_on_every_element(law, wheel, tread, compliance)
     assert (p >= 0).all()
     assert np.abs(distance[p > 0]).max() < 1e-13
     assert distance[p == 0].min() > -1e-13
-    assert patch.force == pytest.approx(p.sum() * DX * DX, rel=1e-12)
+    assert patch.force == pytest.approx(p.sum() * law.element_area, rel=1e-12)
 
 
 @pytest.mark.parametrize(("wheel", "tread"), [(0, 0), (0, 21), (1, 3), (0, 1000)])
@@ -93,8 +93,8 @@ def test_the_first_guess_does_not_change_a_bit(law, tread, depth, seed, share):
     none = np.empty((0, 0))
     guess = np.random.default_rng(seed).random(gap.shape) < share
     cold = np.zeros(gap.shape, bool)
-    from_guess = solve_active_set(gap, True, law.influence, DX * DX, approach, 0.0, guess, none)
-    from_nothing = solve_active_set(gap, True, law.influence, DX * DX, approach, 0.0, cold, none)
+    from_guess = solve_active_set(gap, True, law.influence, law.element_area, approach, 0.0, guess, none)
+    from_nothing = solve_active_set(gap, True, law.influence, law.element_area, approach, 0.0, cold, none)
     assert from_guess == from_nothing
     assert (guess == cold).all()
 

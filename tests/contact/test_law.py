@@ -143,7 +143,7 @@ def test_pressure_sums_to_the_force_and_leaves_the_state(law, plain):
     state = plain.in_contact.copy()
     pressure = contact_pressure(plain, 0, -20, 0, 1.5e-3, 1e-10)
     assert (plain.in_contact == state).all()
-    assert pressure.sum() * DX * DX == pytest.approx(contact_force(law, 0, -20, 0, 1.5e-3, 1e-10), rel=1e-9)
+    assert pressure.sum() * law.element_area == pytest.approx(contact_force(law, 0, -20, 0, 1.5e-3, 1e-10), rel=1e-9)
 
 
 @kernel

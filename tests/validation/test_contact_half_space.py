@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.contact import ContactGeometry, build_contact_law, solve_patch
+from wheelset_track_sim.contact.law import ELEMENT_WIDTH
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Breakout
 
@@ -18,16 +19,17 @@ def half_space(gap, contact_modulus, force):
     It is asked at a force, not at an approach: there its method can cycle. Lengths in elements, stresses in E*.
     """
     nx, ny = gap.shape
-    substrate = contact_mechanics.FreeFFTElasticHalfSpace((nx, ny), 1.0, (float(nx), float(ny)))
+    size = (float(nx), ny * ELEMENT_WIDTH / DX)
+    substrate = contact_mechanics.FreeFFTElasticHalfSpace((nx, ny), 1.0, size)
     # Where there is no rail the surface is out of reach.
     heights = -np.minimum(gap, 0.1) / DX
-    surface = topography.Topography(heights, (float(nx), float(ny)))
+    surface = topography.Topography(heights, size)
     system = contact_mechanics.make_system(substrate=substrate, surface=surface)
     result = system.minimize_proxy(
         external_force=force / (contact_modulus * DX**2), pentol=1e-9, forcetol=1e-9, maxiter=3000
     )
     assert result.success
-    return np.asarray(result.jac)[:nx, :ny] * contact_modulus, result.offset * DX
+    return np.asarray(result.jac)[:nx, :ny] * contact_modulus * DX / ELEMENT_WIDTH, result.offset * DX
 
 
 @pytest.mark.parametrize(

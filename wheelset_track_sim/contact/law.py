@@ -25,6 +25,10 @@ REASONS = {
     AT_BORDER: "the contact reaches the border of the potential contact area",
 }
 
+ELEMENT_WIDTH = 0.75e-3
+"""Width of the elements across the track, m: with 1 mm along it the force is within 0.2 % of Hertz from 20 kN on, where
+the patch is 8 by 6 mm; with a width of 1 mm it is not."""
+
 
 @dataclass(frozen=True, eq=False)
 class ContactPatch:
@@ -64,7 +68,7 @@ def build_contact_law(
     dx: float,
     n_c: int,
     *,
-    dy: float = 0.001,
+    dy: float = ELEMENT_WIDTH,
     largest_force: float = 600e3,
     tables: bool | Literal["smooth"] = True,
     progress: Progress | None = None,
