@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..green.functions import folded, frequency_grid, green_function, integrated
-from ..green.moving import moving_green_functions
+from ..green.moving import BAYS, moving_green_functions
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track
 from .paper_kernels import Paper
@@ -63,6 +63,8 @@ class PaperModel:
     stress_rows: NDArray[np.intp]
     """(S,) where the stress components stand in the flattened (nodes, 6)."""
     progress: Progress | None = None
+    bays: int = BAYS
+    """Bays over which the rail's response is followed."""
     changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
 
@@ -125,7 +127,13 @@ def _tables(model: PaperModel, dx: float, speed: float) -> _Tables:
     fold = model.lag_zero == "folded"
     wheel, stress = _wheel_tables(model, dt, fold)
     green = moving_green_functions(
-        model.track, speed, dx, max_frequency=model.max_frequency, fold=fold, progress=model.progress
+        model.track,
+        speed,
+        dx,
+        max_frequency=model.max_frequency,
+        fold=fold,
+        bays=model.bays,
+        progress=model.progress,
     )
     direct, cross = green.discrete(round(model.track.spacing / dx), dt)
     first = np.zeros(len(direct)) if model.lag_zero == "zero" else direct[:, 0].copy()
