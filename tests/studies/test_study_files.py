@@ -1,5 +1,6 @@
 import dataclasses
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
@@ -169,3 +170,12 @@ def test_the_papers_values_stand_beside_its_own_cases_alone() -> None:
         assert published(load_scenario("damage_wheel_1", [change]), force) != published(case, force)
     for withheld in ("damage_wheel_2", "damage_both"):
         assert not published(load_scenario(withheld), force) > 0
+
+
+def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "studies.md").read_text().partition("## A study of your own\n")[2]
+    lines = [line[4:] for line in text.splitlines() if line.startswith("    ")]
+    (tmp_path / "mine.yaml").write_text("\n".join(lines))
+    runs = load_study(tmp_path / "mine.yaml").runs()
+    assert len(runs) == 2 * 5 * 2
+    assert {run.scenario.track["pad"]["stiffness"] for run in runs} == {300e6}

@@ -99,7 +99,7 @@ def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
 def _for_terminal(table: Table, title: str) -> RichTable:
     printed = RichTable(title=f"{title}\n{table.title}", title_justify="left")
     for column, heading in enumerate(table.headings):
-        printed.add_column(heading, justify="left" if column == 0 else "right")
+        printed.add_column(heading, justify="left" if column == 0 else "right", overflow="fold")
     for row in table.rows:
         printed.add_row(*row)
     return printed

@@ -52,7 +52,7 @@ def conduct(
     """
     store = Store(out / RUNS)
     try:
-        store.folder.mkdir(parents=True, exist_ok=True)
+        (store.folder if runs else out).mkdir(parents=True, exist_ok=True)
         store.tidy()
     except OSError as reason:
         raise InputError(f"{out} cannot be written ({reason.strerror}): give another folder with --out") from None
@@ -70,7 +70,8 @@ def conduct(
         with suppress(WheelsetTrackError):  # of which the run itself will tell
             # Once for all: the workers then find most of the models in the cache.
             load_models(runs[missing[0]].scenario, progress, tables="smooth")
-    tell(there / max(1, len(runs)))
+    if runs:
+        tell(there / len(runs))
     for index, ended in _done({index: runs[index].job for index in missing}, place):
         if isinstance(ended, Result):
             store.save(keys[index], ended, f"study {name}, run {runs[index].label}")

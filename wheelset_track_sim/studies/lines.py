@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,6 +53,8 @@ class Lines:
     panels: tuple[Panel, ...]
     x_label: str = ""
     """What the axis is called; its meaning in the scenario if empty."""
+    columns: Literal[1, 2] = 2
+    """Panels side by side."""
 
     def check(self, study: Study, where: str) -> None:
         """Raise InputError for an axis, a value or an output that the study does not have."""
@@ -75,7 +77,7 @@ class Lines:
 
     def draw(self, results: Results, out: Path) -> list[Path]:
         """Write the figure as PNG and SVG."""
-        columns = min(2, len(self.panels))
+        columns = min(self.columns, len(self.panels))
         rows = -(-len(self.panels) // columns)
         with drawing.new_figure(3.9 * rows + 0.5, self.title, results.made_by) as figure:
             grid = figure.subplots(rows, columns, squeeze=False).ravel()
@@ -126,7 +128,9 @@ class Lines:
         """Colours and dashes told one by one, in a line above the panel, with its title on top."""
         handles, grey = [], "#666666"
         if len(curves) > 1:
-            handles += [Line2D([], [], color=COLOURS[i % len(COLOURS)], label=text) for i, text in enumerate(curves)]
+            drawn: Any = {} if joined else {"linestyle": "none", "marker": MARKERS[0], "markersize": 4}
+            colours = [COLOURS[number % len(COLOURS)] for number in range(len(curves))]
+            handles += [Line2D([], [], color=c, label=text, **drawn) for c, text in zip(colours, curves, strict=True)]
         if len(panel.y) > 1:
             for order, name in enumerate(panel.y):
                 colour = grey if len(curves) > 1 else COLOURS[order % len(COLOURS)]

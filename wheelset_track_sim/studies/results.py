@@ -59,10 +59,8 @@ class Results:
         facts = [f"{self.dynamics[0].upper()}{self.dynamics[1:]}"]
         facts += [f"axle load {min(load):.4g} t"] if len(load) == 1 else []
         facts += [f"{min(speed):.4g} km/h"] if len(speed) == 1 else []
-        around = (
-            f"{window.before:g} m before to {window.after:g} m behind the place where angle 0 of the treads meets it"
-        )
-        return f"{', '.join(facts)}; rail from {around}. wheelset-track-sim {__version__}"
+        around = f"{window.before:g} m before to {window.after:g} m behind angle 0 of the treads"
+        return f"{', '.join(facts)}; {around}. wheelset-track-sim {__version__}"
 
     def value(self, index: int, output: str) -> float:
         """Output of a run, SI; NaN if the run failed."""
