@@ -106,7 +106,15 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
     shutil.rmtree(tree / "config")  # what is installed stands alone
     code = "from wheelset_track_sim.scenario import load_scenario as load; print(load('undamaged').name)"
     program = [sys.executable, "-c", code]
-    assert run(*program, cwd=tmp_path, PYTHONPATH=str(installed.parent)).stdout.strip() == "undamaged"
+    path = str(installed.parent)
+    assert run(*program, cwd=tmp_path, PYTHONPATH=path).stdout.strip() == "undamaged"
+    node = run(
+        sys.executable, str(prefix / "lib/wheelset_track_sim/node"), "-x", cwd=tmp_path, ok=False, PYTHONPATH=path
+    )
+    assert (node.returncode, node.stderr.split(":")[:2]) == (
+        2,
+        ["wheelset-track-sim", " -x is not an argument of the node"],
+    )
 
 
 def setup_env(tree, *extras, **env):
