@@ -13,6 +13,8 @@ import pytest
 
 PATIENCE = 240.0
 """Bound on every wait, s: on a fresh machine the models are built first."""
+ANSWER = 20.0
+"""Bound on the answer of a service, s; no test that calls one builds models from nothing."""
 PROMPT = 60.0
 """Bound on the end of a node that was told to end, s: a stage of building models is not broken off."""
 
@@ -61,7 +63,13 @@ class NodeProcess:
 
 
 @pytest.fixture
-def start(domain, tmp_path):
+def running():
+    """Nodes that the test has started and not yet seen end."""
+    return []
+
+
+@pytest.fixture
+def start(domain, tmp_path, running):
     """Start a node: parameters by name, with ``__`` for a dot."""
     environment = os.environ | {
         "ROS_DOMAIN_ID": str(domain),
@@ -75,6 +83,7 @@ def start(domain, tmp_path):
         def start(*arguments, env=None, **parameters):
             named = {name.replace("__", "."): value for name, value in parameters.items()}
             node = NodeProcess(environment | (env or {}), named, arguments)
+            running.append(node)
             stack.callback(end, node.process)
             return node
 
@@ -96,10 +105,18 @@ class Client:
     """Another process's view of the node: subscriptions and service calls."""
 
     name = "/wheelset_track_sim"
+    goals = {  # noqa: RUF012
+        "configure": "inactive",
+        "activate": "active",
+        "deactivate": "inactive",
+        "cleanup": "unconfigured",
+        "shutdown": "finalized",
+    }
 
-    def __init__(self, node):
-        self.node = node
+    def __init__(self, node, running):
+        self.node, self.running = node, running
         self.arrived = threading.Condition()
+        self.clients = {}
 
     def collect(self, topic, kind, latched=False):
         """List that fills with the messages of a topic."""
@@ -119,32 +136,56 @@ class Client:
         self.node.create_subscription(getattr(wheelset_track_msgs.msg, kind), f"{self.name}/{topic}", take, quality)
         return found
 
-    def until(self, condition, timeout=PATIENCE):
+    def until(self, condition):
         """Wait until a condition on what was collected holds."""
+        limit = time.monotonic() + PATIENCE
         with self.arrived:
-            assert self.arrived.wait_for(condition, timeout), "it did not come true in time"
+            while not self.arrived.wait_for(condition, 1.0):
+                self.check_nodes()
+                assert time.monotonic() < limit, "it did not come true in time"
 
-    def call(self, service, kind, timeout=PATIENCE, **fields):
-        """Answer of a service of the node."""
-        client = self.node.create_client(kind, f"{self.name}/{service}")
-        assert client.wait_for_service(timeout), f"there is no service {service}"
-        answered = threading.Event()
-        future = client.call_async(kind.Request(**fields))
-        future.add_done_callback(lambda _: answered.set())
-        assert answered.wait(timeout), f"{service} did not answer"
-        self.node.destroy_client(client)
-        return future.result()
+    def check_nodes(self):
+        for node in self.running:
+            if node.process.poll() is not None:
+                pytest.fail(f"the node ended with status {node.wait()}: {node.errors}")
+
+    def call(self, service, kind, again=True, **fields):
+        """Answer of a service of the node.
+
+        The middleware loses the answer to a client that the node has not discovered yet: ``again`` asks again then,
+        otherwise the answer is None.
+        """
+        if service not in self.clients:
+            self.clients[service] = self.node.create_client(kind, f"{self.name}/{service}")
+        client = self.clients[service]
+        limit = time.monotonic() + PATIENCE
+        while not client.wait_for_service(1.0):
+            self.check_nodes()
+            assert time.monotonic() < limit, f"there is no service {service}"
+        while time.monotonic() < limit:
+            answered = threading.Event()
+            future = client.call_async(kind.Request(**fields))
+            future.add_done_callback(lambda _, answered=answered: answered.set())
+            if answered.wait(ANSWER):
+                return future.result()
+            self.check_nodes()
+            client.remove_pending_request(future)
+            if not again:
+                return None
+        pytest.fail(f"{service} did not answer")
 
     def transition(self, label):
+        """Whether a transition succeeded."""
         from lifecycle_msgs.msg import Transition
         from lifecycle_msgs.srv import ChangeState
 
-        return self.call("change_state", ChangeState, transition=Transition(label=label)).success
+        answer = self.call("change_state", ChangeState, again=False, transition=Transition(label=label))
+        return self.state() == self.goals[label] if answer is None else answer.success
 
-    def state(self, timeout=PATIENCE):
+    def state(self):
         from lifecycle_msgs.srv import GetState
 
-        return self.call("get_state", GetState, timeout).current_state.label
+        return self.call("get_state", GetState).current_state.label
 
     def wait_for_state(self, label):
         until = time.monotonic() + PATIENCE
@@ -173,7 +214,7 @@ class Client:
 
 
 @pytest.fixture
-def client(domain, monkeypatch):
+def client(domain, running, monkeypatch):
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.task import Future
@@ -187,7 +228,7 @@ def client(domain, monkeypatch):
     done = Future()
     thread = threading.Thread(target=executor.spin_until_future_complete, args=[done])
     thread.start()
-    yield Client(node)
+    yield Client(node, running)
     done.set_result(None)
     thread.join()
     executor.shutdown()

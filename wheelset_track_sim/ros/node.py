@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import Any
 
@@ -169,12 +169,12 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 self._recorder.start(folder, name, simulator, self._start_ns)
         LifecycleNodeMixin.on_activate(self, previous)
         self._tell(state(simulator), RUNNING)
-        self._stream = Stream(simulator, self._pace, self._deliver, self._on_end)
-        self._stream.start()
         self.get_logger().info(
             f"streaming {simulator.scenario.name} from step {simulator.next_step} at {simulator.speed:g} m/s"
             + (f", recording to {self._recorder.path}" if self._recorder.path else "")
         )
+        self._stream = Stream(simulator, self._pace, self._deliver, self._on_end)
+        self._stream.start()
 
     def _deactivate(self, previous: LifecycleState) -> None:
         self._stop_stream()
@@ -295,7 +295,7 @@ def _run(ended: SimpleQueue[Exception | None]) -> Exception | None:
     try:
         if node.parameters["autostart"]:
             executor.create_task(node.autostart)
-        failure = ended.get()
+        failure = _first(ended)
     finally:
         node.close()
         done.set_result(None)
@@ -303,6 +303,13 @@ def _run(ended: SimpleQueue[Exception | None]) -> Exception | None:
         executor.shutdown()
         node.destroy_node()
     return failure or node.lost
+
+
+def _first(ended: SimpleQueue[Exception | None]) -> Exception | None:
+    """First entry of the queue; wakes up now and then, for a signal that another thread received does not wake us."""
+    while True:
+        with suppress(Empty):
+            return ended.get(timeout=0.2)
 
 
 def _initialise(arguments: Sequence[str]) -> None:
