@@ -1,5 +1,6 @@
 """A Dask cluster of a scheduler and two workers, in processes of their own, gives what this machine gives."""
 
+import os
 import subprocess
 import sys
 import time
@@ -18,7 +19,8 @@ EVALUATE = "wheelset_track_sim.studies.evaluate"
 def cluster(tmp_path):
     """Address of a scheduler with two workers."""
     contact = tmp_path / "scheduler.json"
-    options = {"stdout": subprocess.DEVNULL, "stderr": (tmp_path / "dask.log").open("w"), "cwd": tmp_path}
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
+    options: Any = {"stdout": subprocess.DEVNULL, "stderr": (tmp_path / "dask.log").open("w"), "env": environment}
     dask = [sys.executable, "-m", "dask"]
     processes = [
         subprocess.Popen(
