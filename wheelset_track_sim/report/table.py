@@ -16,7 +16,7 @@ from ..yaml12 import parse
 from .published import LoadCase, published_case
 
 BAYS = 3
-"""Length of the passage, from one sleeper bay before the damage meets the rail."""
+"""Length of the passage; the damage meets the rail in its middle, as in the studies."""
 ROUNDING = 1e-6
 """Far below a step and far above the rounding of a position, m."""
 
@@ -53,7 +53,7 @@ class Comparison:
     start: float
     """Of the passage, m."""
     end: float
-    """Of the passage, m; the run may be shorter."""
+    """Of the passage, m."""
 
 
 def scenario_of(recording: Recording) -> Scenario | None:
@@ -74,10 +74,10 @@ def comparison(recording: Recording) -> Comparison | None:
     case = published_case(scenario) if scenario and not recording.revision.any() else None
     if scenario is None or case is None or math.isnan(spacing):
         return None
-    first, reached = scenario.reference_position - spacing, scenario.reference_position + spacing
-    if recording.position[0] > first + ROUNDING or recording.position[-1] < reached - ROUNDING:
-        return None
+    first = scenario.reference_position - BAYS * spacing / 2
     last = first + BAYS * spacing
+    if recording.position[0] > first + ROUNDING or recording.position[-1] < last - ROUNDING:
+        return None
     start, stop = np.searchsorted(recording.position, [first - ROUNDING, last - ROUNDING])
     return Comparison(case, slice(int(start), int(stop)), first, last)
 
