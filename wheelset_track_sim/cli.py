@@ -112,7 +112,7 @@ def _demo(options: argparse.Namespace) -> int:
 
 def _node(arguments: list[str]) -> int:
     try:
-        from .ros.node import main as node
+        from .ros.process import main as node
     except ModuleNotFoundError as missing:
         if missing.name not in {"rclpy", "wheelset_track_msgs"}:
             raise

@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
-import signal
 import threading
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from queue import Empty, SimpleQueue
-from types import FrameType
 from typing import Any
 
-import rclpy
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
-from rclpy.executors import MultiThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 
 from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..recording.messages import State, chunk_messages, state_message
@@ -257,73 +247,3 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 if self._stream is not None:
                     self._stream.set_pace(pace)
         return SetParametersResult(successful=True)
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Run the node until it ends by itself or is told to by a signal; returns 0.
-
-    Raises InputError for arguments or parameters that cannot be used, WheelsetTrackError if the run failed.
-    """
-    _initialise(arguments)
-    ended: SimpleQueue[Exception | None] = SimpleQueue()  # its put is safe in a signal handler
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        ended.put(None)
-
-    handlers = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        failure = _run(ended)
-    except (InvalidNodeNameException, InvalidNamespaceException) as refusal:
-        raise InputError(" ".join(str(refusal).split())) from None
-    finally:
-        rclpy.try_shutdown()
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-    if failure is not None:
-        raise failure
-    return 0
-
-
-def _run(ended: SimpleQueue[Exception | None]) -> Exception | None:
-    """The node and its executor until something is put into ``ended``; returns that, or what befell the bag."""
-    node = SimulationNode(ended.put)
-    executor = MultiThreadedExecutor(num_threads=3)
-    executor.add_node(node)
-    done = Future()
-    spinning = threading.Thread(target=executor.spin_until_future_complete, args=[done], name="executor")
-    spinning.start()
-    try:
-        if node.parameters["autostart"]:
-            executor.create_task(node.autostart)
-        failure = _first(ended)
-    finally:
-        node.close()
-        done.set_result(None)
-        spinning.join()
-        executor.shutdown()
-        node.destroy_node()
-    return failure or node.lost
-
-
-def _first(ended: SimpleQueue[Exception | None]) -> Exception | None:
-    """First entry of the queue; wakes up now and then, for a signal that another thread received does not wake us."""
-    while True:
-        with suppress(Empty):
-            return ended.get(timeout=0.2)
-
-
-def _initialise(arguments: Sequence[str]) -> None:
-    """Start ROS, with signals left to us; raises InputError for arguments that are neither of ROS nor ``--help``."""
-    parser = argparse.ArgumentParser(
-        prog="wheelset-track-sim node",
-        usage="%(prog)s [--ros-args -p NAME:=VALUE ... --params-file FILE ...]",
-        description="The ROS 2 node. Its parameters describe themselves: ros2 param describe /wheelset_track_sim NAME",
-    )
-    try:
-        rest = rclpy.utilities.remove_ros_args(arguments)
-        _, unknown = parser.parse_known_args(rest)
-        if unknown:
-            raise InputError(f"{unknown[0]} is not an argument of the node: see wheelset-track-sim node --help")
-        rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
-    except (_rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError) as refusal:
-        raise InputError(f"arguments of ROS: {' '.join(str(refusal).split())}") from None
