@@ -2,12 +2,13 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check lint clean distclean
+.PHONY: help setup demo test check lint validation clean distclean
 
 help:
 	@echo "make demo    set up all that is missing, simulate the damaged wheel, show picture and table"
 	@echo "make test    set up all that is missing, run all tests"
 	@echo "make check   lint, types and the fast tests"
+	@echo "make validation  recompute docs/validation.md: half an hour the first time"
 	@echo "make setup   set up only: .venv with ROS 2 Jazzy, messages and package"
 	@echo "make clean   remove build products; make distclean removes .venv too"
 
@@ -23,6 +24,10 @@ test:
 
 check: lint
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not ros"
+
+validation:
+	@$(PYTHON) tools/setup_env.py test
+	$(BIN)/python -m tools.validation
 
 lint:
 	@$(PYTHON) tools/setup_env.py test dev

@@ -1,0 +1,89 @@
+"""Section 5: the wheelset against the paper's facts, a finer mesh, bricks, statics; and what other geometries do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .page import exponent, number, paragraphs, table
+from .runs import must, passage
+from .wheelset_checks import LOAD, compared_with_bricks, elements, facts, fine
+
+GEOMETRIES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("as shipped", ()),
+    ("web thickness + 10 %", ("wheel.web_thickness_hub=0.05335", "wheel.web_thickness_rim=0.0385")),
+    ("web thickness − 10 %", ("wheel.web_thickness_hub=0.04365", "wheel.web_thickness_rim=0.0315")),
+    ("rim 5 mm thinner", ("wheel.rim_radius=0.398",)),
+    ("body + 2 mm on both sides of the gearbox", ("axle.sections.3.diameter=0.182", "axle.sections.5.diameter=0.186")),
+    ("fillet at A1 and C1: R40 → R30", ("axle.sections.2.fillet=0.030", "axle.sections.5.fillet=0.030")),
+    ("fillet at A1 and C1: R40 → R60", ("axle.sections.2.fillet=0.060", "axle.sections.5.fillet=0.060")),
+    ("axle boxes 20 mm further out", ("axle_boxes.distance=1.0475",)),
+    ("axle boxes' bearing 80 → 140 mm", ("axle_boxes.bearing_length=0.140",)),
+    ("gearbox 10 mm nearer to the middle", ("gearbox.y=0.393",)),
+    ("no brake discs", ("brake_discs=null",)),
+)
+
+
+def section() -> str:
+    """Text of the section."""
+    x40, finer, solid, plain = facts(), fine(), compared_with_bricks(), elements()
+    names = ("A1", "B1", "C1")
+    section_modulus = np.pi * 0.180**3 / 32
+    nominal = LOAD * (1.0275 - 0.750) / section_modulus / 1e6
+    rows: list[list[Any]] = [
+        ["mass with axle boxes, kg", "1943 (Section 3)", x40["mass"], finer["mass"]],
+        ["bounce and roll on the suspension, Hz", None, _pair(x40["first"]), _pair(finer["first"])],
+        ["bending mode of Fig. 12(a), Hz", "206 (Section 5.1)", x40["bending"], finer["bending"]],
+        ["mode of A1 near 1920 Hz, Hz", "1920 (Section 5.1)", x40["strongest"], finer["strongest"]],
+        *(
+            [f"static maximum principal stress, {name}, MPa", None, x40["static"][i], finer["static"][i]]
+            for i, name in enumerate(names)
+        ),
+    ]
+    statics = [[name, x40["static"][i], plain[i], *solid["static"][i][::-1]] for i, name in enumerate(names)]
+    modes = [[f"n = {n}", count, highest, exponent(gap)] for n, count, highest, gap in solid["modes"]]
+    return paragraphs(
+        "## 5. Wheelset",
+        "The paper prints no drawing. The shipped geometry is one that meets what the paper says of the wheelset, and "
+        "no result of a simulation was used to choose it.",
+        table(("", "printed", "ours", "mesh halved"), rows, (0, 0, 1, 1)),
+        f"Beam theory without the notch, on the 180 mm body: {number(nominal)} MPa; the fillet raises it at A1 by "
+        f"{number(100 * (x40['static'][0] / nominal - 1), 0)} %. The reduced model has {x40['modes']} poles to 6 kHz; "
+        f"the stress that it keeps as static residual is {number(100 * x40['stress_residual'], 2)} % of the static "
+        f"stress, the displacement at the contacts that it leaves out "
+        f"{number(x40['residual'][0] * 1e10, 2)}·10⁻¹⁰ m/N (the finite elements' own, which depends on the mesh).",
+        "Statics: reduced model, finite elements on the same mesh; and, on a coarser mesh, 20-node bricks "
+        f"({solid['unknowns']} unknowns, half of the wheelset, independent code) beside the harmonic elements. MPa, "
+        "98.1 kN on both wheels:",
+        table(("", "reduced", "finite elements", "bricks", "harmonics on their mesh"), statics, 2),
+        "Modes of the harmonics cos(nθ) against those of the bricks, largest relative difference:",
+        table(("harmonic", "modes", "up to, Hz", "difference"), modes, (0, 0, 0, 0)),
+        "**What the open geometry moves** (case 2, causal):",
+        table(
+            (
+                "geometry",
+                "mass, kg",
+                "bending, Hz",
+                "static A1, MPa",
+                "B1",
+                "C1",
+                "max 1, kN",
+                "max A1, MPa",
+                "B1",
+                "C1",
+            ),
+            [_geometry(label, changes) for label, changes in GEOMETRIES],
+            1,
+        ),
+    )
+
+
+def _geometry(label: str, changes: tuple[str, ...]) -> list[Any]:
+    found = facts(changes)
+    run = must(passage("damage_wheel_1", [f"wheelset.{change}" for change in changes]))
+    return [label, found["mass"], found["bending"], *found["static"], run.largest[0], *run.stress]
+
+
+def _pair(frequencies: list[float]) -> str:
+    return " and ".join(number(f) for f in frequencies[:2])
