@@ -22,10 +22,10 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 @cache
 def cache_folder() -> Path:
-    """Folder of compiled kernels, named by a digest of their sources and of numba's version."""
+    """Folder of compiled kernels, named by a digest of their sources, of the options here and of numba's version."""
     package = Path(__file__).parent
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
-    for source in sorted(package.rglob("*kernels.py")):
+    for source in [Path(__file__), *sorted(package.rglob("*kernels.py"))]:
         digest.update(source.relative_to(package).as_posix().encode())
         digest.update(source.read_bytes())
     base = Path(config.CACHE_DIR or platformdirs.user_cache_path("wheelset_track_sim"))
@@ -34,19 +34,23 @@ def cache_folder() -> Path:
 
 def kernel(function: Function) -> Function:
     """Compile a function with numba: cached on disk, without the interpreter lock, NaN kept (no ``fastmath``)."""
-    return _compiled(function, fastmath=False)
+    return _compiled(function)
+
+
+def inner_kernel(function: Function) -> Function:
+    """``kernel`` for what the stepping loop calls: put in its place, since passing many arrays costs 70 ns a call."""
+    return _compiled(function, forceinline=True)
 
 
 def summing_kernel(function: Function) -> Function:
-    """``kernel`` whose sums may be reordered and contracted, so that they run in vector registers; NaN is kept."""
-    return _compiled(function, fastmath={"reassoc", "contract", "nsz"})
+    """``inner_kernel`` whose sums may be reordered and contracted, to run in vector registers; NaN is kept."""
+    return _compiled(function, forceinline=True, fastmath={"reassoc", "contract", "nsz"})
 
 
-def _compiled(function: Function, fastmath: bool | set[str]) -> Function:
+def _compiled(function: Function, **options: Any) -> Function:
     previous = config.CACHE_DIR
     config.CACHE_DIR = str(cache_folder())
     try:
-        compiled = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fastmath)(function)
-        return cast(Function, compiled)
+        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
     finally:
         config.CACHE_DIR = previous

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import inner_kernel, kernel
 from .active_set_kernels import solve_active_set
 
 
@@ -78,7 +78,7 @@ def solve_contact(
     return solve_active_set(gap, mirrored, law.influence, law.element_area, approach, compliance, in_contact, pressure)
 
 
-@kernel
+@inner_kernel
 def table_force(points: NDArray[np.float64], first: int, end: int, approach: float, compliance: float) -> float:
     """Force, N, from the kinks ``points[first:end]`` at an approach, m, of which ``compliance`` times force is lost.
 
@@ -100,7 +100,7 @@ def table_force(points: NDArray[np.float64], first: int, end: int, approach: flo
     return force
 
 
-@kernel
+@inner_kernel
 def tabulated_force(law: ContactLaw, wheel: int, tread_index: int, approach: float, compliance: float) -> float:
     """``contact_force`` from the table of the tread position; NaN where it has none or the force is beyond it."""
     number = law.table[wheel, tread_index % law.tread.shape[1]]
