@@ -5,9 +5,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from wheelset_track_sim.recording import RunInfo, State
 from wheelset_track_sim.simulation.block import SampleBlock
+
+# The first example may compile a kernel, and machines are shared: no test is about seconds.
+settings.register_profile("shared machine", deadline=None)
+settings.load_profile("shared machine")
 
 DX = 1e-3
 NODES = ("A1", "B1", "C1")

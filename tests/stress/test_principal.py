@@ -18,3 +18,10 @@ def test_principal_stresses_are_the_eigenvalues(stress: np.ndarray) -> None:
 
 def test_uniaxial_stress_is_exact_enough_to_print() -> None:
     assert np.allclose(principal(np.array([0, 60e6, 0, 0, 0, 0.0])), [60e6, 0, 0], atol=1.0)
+
+
+def test_stress_in_a_plane_of_symmetry_is_exact() -> None:
+    stress = np.array([[5.0, 3.0, -1.0, 0.0, 0.0, 2.0], [-9.0, 3.0, -1.0, 0.0, 0.0, 2.0]])
+    high, low = 1 + np.sqrt(8), 1 - np.sqrt(8)
+    assert np.array_equal(principal(stress), [[5.0, high, low], [high, low, -9.0]])
+    assert maximum_principal(stress[0]).shape == ()
