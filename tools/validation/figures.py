@@ -57,9 +57,7 @@ def impact_figure(
         left.set(
             title="(a) moving Green's functions, 10⁻⁶ m/(N s)", xlabel="time (ms)", xlim=(-0.6, 1.0), ylim=(-1.2, 7)
         )
-        left.legend(
-            frameon=False, fontsize=7.5, loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=2, columnspacing=0.8
-        )
+        left.legend(frameon=False, fontsize=7.5, loc="lower right")
 
         by = {variant.changes: run for variant, run in [*causal, *paper]}
         shown: dict[str, tuple[str, ...]] = {

@@ -29,7 +29,9 @@ QUANTITIES = (
 
 def runs() -> Both:
     """Each load case by causal and by paper dynamics, as shipped."""
-    return {name: (must(passage(name)), must(passage(name, [PAPER]))) for name in NAMES}
+    causal = [must(passage(name)) for name in NAMES]
+    paper = [must(passage(name, [PAPER])) for name in NAMES]
+    return dict(zip(NAMES, zip(causal, paper, strict=True), strict=True))
 
 
 def printed(case: int, quantity: str, index: int) -> float | None:

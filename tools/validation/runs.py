@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelset_track_sim.cache import digest
 from wheelset_track_sim.errors import ContactError
 from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.dynamics import DynamicsModel
 from wheelset_track_sim.simulation.dynamics_kernels import advance, displacements
 from wheelset_track_sim.simulation.models import Models, load_models
-from wheelset_track_sim.simulation.simulator import Simulator
+from wheelset_track_sim.simulation.simulator import CHANGEABLE, Simulator
 from wheelset_track_sim.stress.principal import maximum_principal
 
 from .store import recall, this_module
@@ -74,7 +75,7 @@ def passage(
     def compute() -> Any:
         scenario = load_scenario(name, changes)
         with within():
-            models = load_models(scenario, tables=tables)
+            models = shared_models(scenario, tables, None if within is nullcontext else key)
             if alter:
                 models = alter(scenario, models)
             try:
@@ -84,6 +85,19 @@ def passage(
 
     found = recall("passage", [name, list(changes), key, tables], compute, this_module(__name__), *sources)
     return None if found is None else Passage(**found)
+
+
+_latest: dict[str, Models] = {}
+
+
+def shared_models(scenario: Scenario, tables: bool, key: Any) -> Models:
+    """Models of a scenario; those of the call before if nothing but what may change during a run differs."""
+    same = {name: value for name, value in scenario.to_mapping().items() if name not in CHANGEABLE}
+    named = digest([same, tables, key])
+    if named not in _latest:
+        _latest.clear()
+        _latest[named] = load_models(scenario, tables=tables)
+    return _latest[named]
 
 
 def must(found: Passage | None) -> Passage:

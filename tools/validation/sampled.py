@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Literal
 from unittest.mock import patch
 
@@ -61,9 +61,7 @@ class Sampling:
         """Models whose rails respond by these tables; for ``runs.passage``."""
         model = models.dynamics
         assert isinstance(model, PaperModel)
-        dx, speed = scenario.step_length, scenario.speed
-        direct, cross = self.tables(model, dx, speed)
-        return replace(models, dynamics=SampledModel(model, direct, self.cross * cross))
+        return replace(models, dynamics=sampled_model(self, model, scenario.step_length, scenario.speed))
 
     def tables(self, model: PaperModel, dx: float, speed: float) -> tuple[Real, Real]:
         """Direct and cross tables (L, SAMPLES)."""
@@ -177,7 +175,8 @@ class SampledModel:
         """As of the model, s."""
         return self.model.longest_run
 
-    def _static(self) -> Real:
+    @cached_property
+    def static(self) -> Real:
         """Displacement (L,), m/N, under a unit load on each wheel, without the first values."""
         both = self.direct + self.cross
         static = np.zeros(len(both))
@@ -188,7 +187,7 @@ class SampledModel:
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """As of ``DynamicsModel``."""
         wheels = self.model.wheelset.static_receptance().sum(axis=1)
-        return np.asarray((wheels + (self._static() + self.direct[:, 0]).mean()) * wheel_load)
+        return np.asarray((wheels + (self.static + self.direct[:, 0]).mean()) * wheel_load)
 
     def start(self, wheel_load: float, step: int, dx: float, speed: float) -> Paper:
         """As of ``DynamicsModel``."""
@@ -197,7 +196,7 @@ class SampledModel:
         return paper._replace(
             direct=np.ascontiguousarray(self.direct),
             cross=np.ascontiguousarray(self.cross),
-            rail_static=self._static() * wheel_load,
+            rail_static=self.static * wheel_load,
             coming=np.zeros((2, self.direct.shape[1])),
             compliance=np.stack([first, first], axis=1),
         )
@@ -214,8 +213,14 @@ def settling_briefly() -> Iterator[None]:
         yield
 
 
+@lru_cache(maxsize=1)
+def sampled_model(sampling: Sampling, model: PaperModel, dx: float, speed: float) -> SampledModel:
+    """Dynamics of a sampling."""
+    direct, cross = sampling.tables(model, dx, speed)
+    return SampledModel(model, direct, sampling.cross * cross)
+
+
 def deflection_ripple(model: PaperModel, sampling: Sampling, dx: float, speed: float, load: float) -> float:
     """Variation along a bay of the rail's deflection under a constant load on both wheels, peak to peak, um."""
-    direct, cross = sampling.tables(model, dx, speed)
-    sampled = SampledModel(model, direct, sampling.cross * cross)
-    return float(np.ptp((sampled._static() + direct[:, 0]) * load) * 1e6)
+    sampled = sampled_model(sampling, model, dx, speed)
+    return float(np.ptp((sampled.static + sampled.direct[:, 0]) * load) * 1e6)
