@@ -92,17 +92,28 @@ def test_a_missing_bag_is_a_failure_in_one_line(tmp_path: Path, capsys: pytest.C
     assert list(tmp_path.iterdir()) == []
 
 
+INTERRUPTIBLE = """
+import signal, sys
+from wheelset_track_sim.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job of a shell ignores it
+sys.exit(main(sys.argv[1:]))
+"""
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(120)
 def test_an_interrupted_run_leaves_a_readable_bag(tmp_path: Path) -> None:
     bag = tmp_path / "long.mcap"
-    command = [sys.executable, "-m", "wheelset_track_sim", "run", "undamaged", "--duration", "5000", "--out", str(bag)]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
-    while not bag.exists() or bag.stat().st_size < 2e6:
-        assert process.poll() is None
-        os.sched_yield()
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    arguments = ["run", "undamaged", "--duration", "5000", "--out", str(bag)]
+    process = subprocess.Popen([sys.executable, "-c", INTERRUPTIBLE, *arguments], stderr=subprocess.PIPE, text=True)
+    try:
+        while not bag.exists() or bag.stat().st_size < 2e6:
+            assert process.poll() is None
+            os.sched_yield()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == 1
     assert "interrupted" in errors.splitlines()[-1]
     assert len(read(bag)) > 1000

@@ -133,7 +133,8 @@ def creep(model: DynamicsModel, dx: float, speed: float, start: int = 0) -> Real
     unit, displaced = np.array([1.0, 0.0]), np.empty(CREEP_STEPS)
     for step in range(start, start + CREEP_STEPS):
         displacements(dynamics, step, xi)
-        at_once = dynamics.compliance[step % len(dynamics.compliance), 0]
+        place = step % len(dynamics.rail_compliance)
+        at_once = dynamics.wheel_compliance[0] + dynamics.rail_compliance[place]
         displaced[step - start] = xi[0, 0] + xi[1, 0] + at_once
         advance(dynamics, step, unit)
     return displaced * 1e10

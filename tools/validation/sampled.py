@@ -198,7 +198,8 @@ class SampledModel:
             cross=np.ascontiguousarray(self.cross),
             rail_static=self.static * wheel_load,
             coming=np.zeros((2, self.direct.shape[1])),
-            compliance=np.stack([first, first], axis=1),
+            wheel_compliance=np.zeros(2),
+            rail_compliance=first,
         )
 
     def at_speed(self, dynamics: Any, dx: float, speed: float, behind: float) -> Any:

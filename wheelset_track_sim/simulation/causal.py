@@ -89,7 +89,6 @@ class CausalModel:
         ahead, back = _halves(self, speed), _halves(self, behind)
         tables = [_track_tables(half, old, dx, speed, behind) for half, old in zip(ahead, back, strict=True)]
         at_once = [table.at_once + half.residual for table, half in zip(tables, self.track.halves, strict=True)]
-        rail_compliance = (at_once[0] + at_once[1]) / 2
         return Causal(
             wheel_state=wheel_state,
             wheel_factor=_parts(a),
@@ -102,7 +101,8 @@ class CausalModel:
             symmetric=len(ahead[0].poles),
             stress_output=_parts(self.stress_output),
             stress_direct=stress_direct,
-            compliance=np.ascontiguousarray(rail_compliance[:, np.newaxis] + wheel_compliance),
+            wheel_compliance=wheel_compliance,
+            rail_compliance=(at_once[0] + at_once[1]) / 2,
             speed=speed,
         )
 

@@ -31,7 +31,8 @@ class Causal(NamedTuple):
     symmetric: int  # number of modes of the symmetric half
     stress_output: np.ndarray  # (2, S, P) of the S stress components that are not zero by symmetry
     stress_direct: np.ndarray  # (S, 2) Pa/N of the force at the same step
-    compliance: np.ndarray  # (L, 2) m/N at the contacts of the force at the same step
+    wheel_compliance: np.ndarray  # (2,) m/N of the force at the same step
+    rail_compliance: np.ndarray  # (L,) m/N of the force at the same step
     speed: float  # m/s to which the track modes belong
 
 

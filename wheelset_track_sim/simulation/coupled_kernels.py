@@ -26,17 +26,18 @@ def run(
 
     ``preload`` (2,) m is the approach of wheel and rail without dynamics that loads each contact with the static
     force; ``tread_origin`` is the step at which angle 0 of the treads meets the rail. Fills ``forces`` in N,
-    ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, the rail's instantaneous part included.
+    ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the force displaces at once.
     A count below n means that the contact problem of that step has no solution; the state stays at that step.
     """
     period = law.tread.shape[1]
-    bay = dynamics.compliance.shape[0]
+    bay = dynamics.rail_compliance.size
     for row in range(forces.shape[0]):
         step = first_step + row
         displacements(dynamics, step, xi[row])
         for wheel in range(2):
             approach = preload[wheel] - xi[row, 0, wheel] - xi[row, 1, wheel]
-            compliance = dynamics.compliance[step % bay, wheel]
+            of_wheel, of_rail = dynamics.wheel_compliance[wheel], dynamics.rail_compliance[step % bay]
+            compliance = of_wheel + of_rail
             tread = (step - tread_origin) % period
             force = tabulated_force(law, wheel, tread, approach, compliance)
             if not np.isfinite(force):
@@ -44,7 +45,8 @@ def run(
             if not np.isfinite(force):
                 return row
             forces[row, wheel] = force
-            xi[row, 1, wheel] += compliance * force
+            xi[row, 0, wheel] += of_wheel * force
+            xi[row, 1, wheel] += of_rail * force
         stresses(dynamics, forces[row], stress[row])
         advance(dynamics, step, forces[row])
     return len(forces)

@@ -1,7 +1,8 @@
 """The one interface of the coupled step to the dynamics, and its two implementations: ``causal`` and ``paper``.
 
-The compiler picks the implementation by the type of ``dynamics``. Every implementation has a ``compliance`` (L, 2) in
-m/N: what the force of a step displaces rail and wheel by at that step itself, at each contact and place in the bay.
+The compiler picks the implementation by the type of ``dynamics``. Every implementation has a ``wheel_compliance`` (2,)
+and a ``rail_compliance`` (L,) in m/N: what the force of a step displaces a wheel, and the rail at a place in the bay,
+at that step itself.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class _Tables(NamedTuple):
     cross: Real
     stress: Real
     rail_static: Real  # (L,) m/N, a unit load on each wheel
-    compliance: Real
+    rail_compliance: Real  # (L,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class PaperModel:
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         tables = _tables(self, dx, speed)
-        rail = (tables.rail_static + tables.compliance[:, 0]).mean()
+        rail = (tables.rail_static + tables.rail_compliance).mean()
         displacement: Real = (self._wheel_static() + rail) * wheel_load
         return displacement
 
@@ -91,7 +91,8 @@ class PaperModel:
             past=np.zeros((2, tables.wheel.shape[-1])),
             coming=np.zeros((2, tables.direct.shape[-1])),
             done=np.zeros(1, np.int64),
-            compliance=tables.compliance,
+            wheel_compliance=np.zeros(2),
+            rail_compliance=tables.rail_compliance,
         )
 
     def at_speed(self, dynamics: Paper, dx: float, speed: float, behind: float) -> Paper:
@@ -142,7 +143,7 @@ def _tables(model: PaperModel, dx: float, speed: float) -> _Tables:
     rail_static = np.zeros(steps)
     for n in range(1, samples):  # at place j by the load that hit the rail n steps ago, n places back
         rail_static += np.roll(both[:, n], n)
-    return _Tables(wheel, direct, cross, stress, rail_static, np.stack([first, first], axis=1))
+    return _Tables(wheel, direct, cross, stress, rail_static, first)
 
 
 def _wheel_tables(model: PaperModel, dt: float, fold: bool) -> tuple[Real, Real]:

@@ -27,7 +27,8 @@ class Paper(NamedTuple):
     past: np.ndarray  # (2, N) F - P of the steps done, the newest first, from index N - done[0] on
     coming: np.ndarray  # (2, M) m on the rails at coming steps by F - P of the steps done; step modulo M
     done: np.ndarray  # (1,) number of steps done
-    compliance: np.ndarray  # (L, 2) m/N at the contacts of the force at the same step
+    wheel_compliance: np.ndarray  # (2,) m/N of the force at the same step: zero
+    rail_compliance: np.ndarray  # (L,) m/N of the force at the same step
 
 
 @summing_kernel
