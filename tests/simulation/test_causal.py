@@ -64,7 +64,7 @@ def test_no_force_crosses_axle_or_sleepers_within_a_step(model: CausalModel) -> 
     xi = np.zeros((2, 2))
     displacements(dynamics, 1, xi)
     assert abs(xi[0, 1]) < 1e-2 * abs(xi[0, 0])
-    assert abs(xi[1, 1]) < 1e-2 * abs(xi[1, 0])
+    assert abs(xi[1, 1]) < 3e-3 * abs(xi[1, 0])  # 1.5e-3: the reach of the band limit
 
 
 @pytest.mark.parametrize("limit", [500.0, 2500.0])

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
-"""Order of the six stress components, in the axes of the package."""
+from ..structures.reduced_wheelset import COMPONENTS as COMPONENTS
 
 
 @dataclass(frozen=True, eq=False)
