@@ -7,14 +7,13 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
-
-from mcap.writer import Writer
+from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..errors import InputError, RecordingError
 from ..simulation.block import SampleBlock
 from .definitions import full_name, schema, serialise
+from .mcap_file import McapFile
 from .messages import Message, State, chunk_messages, state_message
 from .rosbag2_metadata import LATCHED_TOPICS, Topic, channel_metadata, write_folder_metadata
 from .run_info import METADATA_NAME, RunInfo
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
 PREFIX = "/wheelset_track_sim"
 CHUNK_PERIOD_NS = 100_000_000
 """A chunk of the file is closed after this time of the run: what a crash can lose."""
-CHUNK_BYTES = 1 << 24
-"""Never reached by a run in real time: chunks are cut by time, between blocks."""
 
 
 class BagWriter:
@@ -63,8 +60,7 @@ class BagWriter:
                 why = "not a folder on the way" if isinstance(reason, FileExistsError) else reason.strerror
                 refusal = f"{self.path} cannot be written ({why}): give a path in a folder that can be written"
             raise InputError(refusal) from None
-        self._mcap: Any = Writer(self._stream, chunk_size=CHUNK_BYTES, enable_data_crcs=True)
-        self._mcap.start(profile="ros2", library=f"wheelset_track_sim {__version__}")
+        self._mcap = McapFile(self._stream, "ros2", f"wheelset_track_sim {__version__}")
         self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
         self._write_folder_metadata()
 
@@ -120,21 +116,15 @@ class BagWriter:
         if not any(topic.count for _, topic in self._topics.values()):
             self._first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)
-        self._mcap.add_message(
-            channel_id=channel,
-            log_time=message.stamp_ns,
-            publish_time=message.stamp_ns,
-            sequence=topic.count,
-            data=serialise(message.kind, message.fields),
-        )
+        self._mcap.add_message(channel, message.stamp_ns, topic.count, serialise(message.kind, message.fields))
         topic.count += 1
 
     def _register(self, message: Message) -> tuple[int, Topic]:
         kind = message.kind
         if kind not in self._schemas:
-            self._schemas[kind] = self._mcap.register_schema(full_name(kind), "ros2msg", schema(kind).encode())
+            self._schemas[kind] = self._mcap.add_schema(full_name(kind), "ros2msg", schema(kind).encode())
         topic = Topic(f"{self.prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
-        channel = self._mcap.register_channel(topic.name, "cdr", self._schemas[kind], channel_metadata(topic))
+        channel = self._mcap.add_channel(topic.name, "cdr", self._schemas[kind], channel_metadata(topic))
         self._topics[message.topic] = channel, topic
         return channel, topic
 

@@ -1,0 +1,181 @@
+"""An MCAP file while it is written: chunks of messages as they come, indexes at the end.
+
+The library's own writer compresses at zstd's default level, copies every message four times and keeps an object for
+each chunk. Level -1 costs a sixth of the time for 7 % more bytes: what can be had of these numbers are the components
+that are zero, and a little of the exponents. https://mcap.dev/spec
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any, BinaryIO
+
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Channel,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+from zstandard import ZstdCompressor
+
+MAGIC = b"\x89MCAP0\r\n"
+COMPRESSION = b"zstd"
+LEVEL = -1
+
+MESSAGE = struct.Struct("<BQHIQQ")  # opcode, length; channel, sequence, log time, publish time
+CHUNK = struct.Struct("<BQQQQII4sQ")  # opcode, length; first and last time, size, CRC, compression, compressed size
+ENTRIES = struct.Struct("<BQHI")  # opcode, length; channel, bytes of entries
+ENTRY = struct.Struct("<QQ")  # of a message: time, place in the chunk
+OFFSET = struct.Struct("<HQ")  # of a channel's entries: channel, place in the file
+INDEX = struct.Struct("<BQQQQQI")  # opcode, length; first and last time, place and length of the chunk, offsets
+INDEX_END = struct.Struct("<QI4sQQ")  # length of all entries, compression, compressed size, size
+RECORD = 9
+"""Bytes of an opcode and a length, which a record's length leaves out."""
+
+
+class McapFile:
+    """Writes to a stream that it does not close; what is not yet in a chunk is lost if ``finish`` is never called."""
+
+    def __init__(self, stream: BinaryIO, profile: str, library: str) -> None:
+        """Write the beginning of the file to ``stream``."""
+        self._stream = stream
+        self._place = 0
+        self._crc = 0
+        self._compressor = ZstdCompressor(level=LEVEL)
+        self._schemas: list[Schema] = []
+        self._channels: list[Channel] = []
+        self._metadata: list[MetadataIndex] = []
+        self._counts: Counter[int] = Counter()
+        self._first, self._last = 0, 0
+        self._chunks = bytearray()
+        self._chunk_count = 0
+        self._parts: list[bytes | memoryview] = []
+        self._size = 0
+        self._entries: dict[int, bytearray] = {}
+        self._span = 0, 0
+        self._write(MAGIC)
+        self._write(_bytes(Header(profile, library)))
+
+    def add_metadata(self, name: str, record: Mapping[str, str]) -> None:
+        """Write a record of text by name."""
+        data = _bytes(Metadata(name, dict(record)))
+        self._metadata.append(MetadataIndex(offset=self._place, length=len(data), name=name))
+        self._write(data)
+
+    def add_schema(self, name: str, encoding: str, text: bytes) -> int:
+        """Register the definition of a type; returns its number."""
+        schema = Schema(id=len(self._schemas) + 1, data=text, encoding=encoding, name=name)
+        self._schemas.append(schema)
+        self._append(_bytes(schema))
+        return schema.id
+
+    def add_channel(self, topic: str, encoding: str, schema: int, metadata: Mapping[str, str]) -> int:
+        """Register a topic; returns its number."""
+        channel = Channel(len(self._channels) + 1, topic, encoding, dict(metadata), schema)
+        self._channels.append(channel)
+        self._append(_bytes(channel))
+        return channel.id
+
+    def add_message(self, channel: int, time: int, sequence: int, data: bytes | memoryview) -> None:
+        """Add a message with time stamp ``time``, ns, to the chunk at hand; ``data`` must stay as it is until then."""
+        if self._entries:
+            self._span = min(self._span[0], time), max(self._span[1], time)
+        else:
+            self._span = time, time
+        self._entries.setdefault(channel, bytearray()).extend(ENTRY.pack(time, self._size))
+        self._counts[channel] += 1
+        self._append(MESSAGE.pack(Opcode.MESSAGE, MESSAGE.size - RECORD + len(data), channel, sequence, time, time))
+        self._append(data)
+
+    def flush(self) -> None:
+        """Write the chunk at hand and hand it over to the operating system; without messages there is none."""
+        if self._entries:
+            self._write_chunk()
+        self._stream.flush()
+
+    def finish(self) -> None:
+        """Write what is at hand, then all that is needed to find a message without reading the whole file."""
+        self.flush()
+        self._write(_bytes(DataEnd(self._crc)))
+        start = self._place
+        summary = bytearray()
+        offsets = bytearray()
+        for opcode, group in (
+            (Opcode.SCHEMA, _bytes(*self._schemas)),
+            (Opcode.CHANNEL, _bytes(*self._channels)),
+            (Opcode.STATISTICS, _bytes(self._statistics())),
+            (Opcode.CHUNK_INDEX, bytes(self._chunks)),
+            (Opcode.METADATA_INDEX, _bytes(*self._metadata)),
+        ):
+            if group:
+                offsets += _bytes(SummaryOffset(opcode, start + len(summary), len(group)))
+                summary += group
+        footer = _bytes(Footer(start, start + len(summary), 0))[: -len(bytes(4))]
+        summary += offsets + footer
+        self._write(summary + struct.pack("<I", zlib.crc32(summary)) + MAGIC)
+        self._stream.flush()
+
+    def _append(self, data: bytes | memoryview) -> None:
+        self._parts.append(data)
+        self._size += len(data)
+
+    def _write(self, data: bytes | bytearray) -> None:
+        self._crc = zlib.crc32(data, self._crc)
+        self._stream.write(data)
+        self._place += len(data)
+
+    def _write_chunk(self) -> None:
+        raw = b"".join(self._parts)
+        packed = self._compressor.compress(raw)
+        first, last = self._span
+        place, length = self._place, CHUNK.size + len(packed)
+        crc, name = zlib.crc32(raw), len(COMPRESSION)
+        head = CHUNK.pack(Opcode.CHUNK, length - RECORD, first, last, len(raw), crc, name, COMPRESSION, len(packed))
+        self._write(head)
+        self._write(packed)
+
+        entries, offsets = bytearray(), bytearray()
+        for channel, found in self._entries.items():
+            offsets += OFFSET.pack(channel, self._place + len(entries))
+            size = ENTRIES.size - RECORD + len(found)
+            entries += ENTRIES.pack(Opcode.MESSAGE_INDEX, size, channel, len(found)) + found
+        self._write(entries)
+        size = INDEX.size - RECORD + len(offsets) + INDEX_END.size
+        self._chunks += INDEX.pack(Opcode.CHUNK_INDEX, size, first, last, place, length, len(offsets)) + offsets
+        self._chunks += INDEX_END.pack(len(entries), name, COMPRESSION, len(packed), len(raw))
+
+        self._first = min(self._first, first) if self._chunk_count else first
+        self._last = max(self._last, last) if self._chunk_count else last
+        self._chunk_count += 1
+        self._parts, self._size, self._entries = [], 0, {}
+
+    def _statistics(self) -> Statistics:
+        return Statistics(
+            attachment_count=0,
+            channel_count=len(self._channels),
+            channel_message_counts=dict(self._counts),
+            chunk_count=self._chunk_count,
+            message_count=self._counts.total(),
+            message_end_time=self._last,
+            message_start_time=self._first,
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+
+
+def _bytes(*records: McapRecord) -> bytes:
+    builder: Any = RecordBuilder()
+    for record in records:
+        record.write(builder)
+    return bytes(builder.end())
