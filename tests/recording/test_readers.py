@@ -73,7 +73,14 @@ def test_mcap_ros2_support(bag, run_blocks):
         assert message.wheel_1_max_force == expected.wheels[0].max_force
         assert message.wheel_2_contact_loss == expected.wheels[1].contact_loss
         assert list(message.nodes) == ["A1", "B1", "C1"]
-        assert list(message.max_principal_max) == [node.max_principal for node in expected.nodes]
+        for name in ("max", "min", "mean", "rms"):
+            told = list(getattr(message, f"max_principal_{name}"))
+            assert told == [getattr(node, f"{name}_principal") for node in expected.nodes]
+        components = block.stresses.reshape(len(block), -1)
+        np.testing.assert_array_equal(message.stress_max, components.max(axis=0))
+        np.testing.assert_array_equal(message.stress_min, components.min(axis=0))
+        np.testing.assert_allclose(message.stress_mean, components.mean(axis=0), rtol=1e-9)
+        np.testing.assert_allclose(message.stress_rms, np.sqrt((components**2).mean(axis=0)), rtol=1e-12)
         assert (message.real_time_factor, message.lag) == (31.5, 0.25)
     (state,) = (decoded for topic, decoded in found if topic.endswith("/state"))
     assert "Ångström" in state.scenario

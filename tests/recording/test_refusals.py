@@ -1,5 +1,6 @@
 """Bags that cannot be written or read: one clear line, and nothing half-written."""
 
+import dataclasses
 import os
 
 import pytest
@@ -134,3 +135,11 @@ def test_a_bag_without_a_run(tmp_path, run_info, run_blocks, make_state):
         bag.write_state(make_state(run_blocks[0]))
     with pytest.raises(RecordingError, match="holds no complete chunk"):
         list(Bag(path).events())
+
+
+def test_decimated_samples_are_no_run(tmp_path, run_blocks, run_info):
+    path = tmp_path / "thin.mcap"
+    with BagWriter(path, run_info, start_ns=0) as bag:
+        bag.write(dataclasses.replace(run_blocks[0], decimation=10))
+    with pytest.raises(RecordingError, match=r"only each 10th step of /wheelset_track_sim/\S+: record it at full rate"):
+        read(path)

@@ -1,10 +1,11 @@
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
 from wheelset_track_sim.simulation.block import SampleBlock
-from wheelset_track_sim.simulation.summary import combine, summarise
+from wheelset_track_sim.simulation.summary import combine, statistics, summarise
 
 
 def uniaxial(forces: list[tuple[float, float]], stress: list[float]) -> SampleBlock:
@@ -25,6 +26,16 @@ def test_scalars_of_a_block():
     assert node.name == "A1"
     assert node.max_principal == pytest.approx(7.0, rel=1e-12)
     assert node.min_principal == pytest.approx(0.0, abs=1e-12)  # compression: the largest principal stress is zero
+    assert node.mean_principal == pytest.approx(2.5, rel=1e-12)
+    assert node.rms_principal == pytest.approx(math.sqrt(54 / 4), rel=1e-12)
+
+
+def test_statistics_of_signals():
+    found = statistics(np.array([[2.0, 7.0, -5.0], [1.0, 1.0, 1.0]]))
+    np.testing.assert_array_equal(found.max, [7.0, 1.0])
+    np.testing.assert_array_equal(found.min, [-5.0, 1.0])
+    np.testing.assert_allclose(found.mean, [4 / 3, 1.0], rtol=1e-15)
+    np.testing.assert_allclose(found.rms, [math.sqrt(26), 1.0], rtol=1e-15)
 
 
 def test_parts_combine_to_the_whole(make_block):
@@ -36,7 +47,9 @@ def test_parts_combine_to_the_whole(make_block):
     ]
     found, expected = combine(summarise(part) for part in parts), summarise(whole)
     assert found.samples == expected.samples
-    assert found.nodes == expected.nodes
+    for one, other in zip(found.nodes, expected.nodes, strict=True):
+        assert dataclasses.astuple(one)[:3] == dataclasses.astuple(other)[:3]
+        assert dataclasses.astuple(one)[3:] == pytest.approx(dataclasses.astuple(other)[3:], rel=1e-12)
     for one, other in zip(found.wheels, expected.wheels, strict=True):
         assert dataclasses.astuple(one) == pytest.approx(dataclasses.astuple(other), rel=1e-12)
 

@@ -84,6 +84,10 @@ class Bag:
             if kind == "SimulationState":
                 yield state_of(message)
                 continue
+            if message.decimation != 1:
+                raise RecordingError(
+                    f"{self.path} holds only each {message.decimation}th step of {topic}: record it at full rate"
+                )
             chunk = pending.setdefault(message.first_step, {})
             chunk[topic if kind == "AxleStress" else "forces"] = message
             if len(chunk) <= len(nodes):

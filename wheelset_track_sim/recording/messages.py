@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..simulation.block import COMPONENTS, SampleBlock
-from ..simulation.summary import summarise
+from ..simulation.summary import statistics, summarise
 from ..stress.principal import maximum_principal
 
 FRAME = "track"
@@ -69,16 +69,17 @@ def chunk_messages(
     ``start_ns`` is the time stamp of step 0, ns. The values are those of the block, bit by bit.
     """
     stamp_ns, chunk = _chunk(block, start_ns)
+    samples = {**chunk, "decimation": block.decimation}
     principal = maximum_principal(block.stresses)
     forces = np.ascontiguousarray(block.forces.T)
     stresses = np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
     largest = np.ascontiguousarray(principal.T)
 
     messages = [
-        Message("contact_forces", "ContactForces", stamp_ns, {**chunk, "wheel_1": forces[0], "wheel_2": forces[1]})
+        Message("contact_forces", "ContactForces", stamp_ns, {**samples, "wheel_1": forces[0], "wheel_2": forces[1]})
     ]
     for node, stress, maximum in zip(block.nodes, stresses, largest, strict=True):
-        fields = {**chunk, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
+        fields = {**samples, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
         messages.append(Message(stress_topic(node), "AxleStress", stamp_ns, fields))
 
     summary = summarise(block, principal)
@@ -88,6 +89,10 @@ def chunk_messages(
     fields["nodes"] = [node.name for node in summary.nodes]
     fields["max_principal_max"] = np.array([node.max_principal for node in summary.nodes])
     fields["max_principal_min"] = np.array([node.min_principal for node in summary.nodes])
+    fields["max_principal_mean"] = np.array([node.mean_principal for node in summary.nodes])
+    fields["max_principal_rms"] = np.array([node.rms_principal for node in summary.nodes])
+    components = statistics(stresses.reshape(-1, len(block)))
+    fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
     return [*messages, Message("summary", "LoadSummary", stamp_ns, fields)]
 
 
@@ -111,6 +116,7 @@ def block_of(forces: Any, stresses: list[Any]) -> SampleBlock:
         .reshape(len(stresses), len(COMPONENTS), len(forces.wheel_1))
         .transpose(2, 0, 1),
         nodes=tuple(stress.node for stress in stresses),
+        decimation=forces.decimation,
     )
 
 

@@ -33,7 +33,7 @@ class LoadCase:
 def _printed(wheels: Iterable[tuple[float, float]], nodes: Mapping[str, tuple[float, float]]) -> Summary:
     """Summary from (largest, smallest) force of each wheel in kN and (largest, smallest) stress of each node in MPa."""
     wheel_1, wheel_2 = (WheelLoad(1e3 * high, 1e3 * low, nan, nan, nan) for high, low in wheels)
-    stresses = tuple(NodeStress(name, 1e6 * high, 1e6 * low) for name, (high, low) in nodes.items())
+    stresses = tuple(NodeStress(name, 1e6 * high, 1e6 * low, nan, nan) for name, (high, low) in nodes.items())
     return Summary(0, (wheel_1, wheel_2), stresses)
 
 

@@ -12,7 +12,7 @@ from ..structures.reduced_wheelset import COMPONENTS as COMPONENTS
 
 @dataclass(frozen=True, eq=False)
 class SampleBlock:
-    """Consecutive samples, one for each step; the arrays are read-only.
+    """Consecutive samples, one for each step unless it is decimated; the arrays are read-only.
 
     A simulation, a bag and a replay yield the same blocks. The block length carries no meaning: the same run cut
     differently holds the same numbers, bit by bit.
@@ -36,6 +36,8 @@ class SampleBlock:
     """Axle stress, (samples, nodes, 6), Pa, components in the order of ``COMPONENTS``."""
     nodes: tuple[str, ...]
     """Names of the stress nodes."""
+    decimation: int = 1
+    """Steps from sample to sample."""
 
     def __post_init__(self) -> None:
         self.forces.flags.writeable = False

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,20 @@ class NodeStress:
     """Largest value over time, Pa."""
     min_principal: float
     """Smallest value over time, Pa."""
+    mean_principal: float
+    """Mean over time, Pa."""
+    rms_principal: float
+    """Root of the mean square over time, Pa."""
+
+
+class Statistics(NamedTuple):
+    """What a signal comes to over a run of samples, in its own unit."""
+
+    max: NDArray[np.float64]
+    min: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    rms: NDArray[np.float64]
+    """Root of the mean square."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +62,14 @@ class Summary:
     samples: int
     wheels: tuple[WheelLoad, WheelLoad]
     nodes: tuple[NodeStress, ...]
+
+
+def statistics(signals: NDArray[np.float64]) -> Statistics:
+    """Statistics (signals,) of signals (signals, samples), contiguous; ValueError if there are no samples."""
+    squares = np.einsum("ij,ij->i", signals, signals)
+    return Statistics(
+        signals.max(axis=1), signals.min(axis=1), signals.mean(axis=1), np.sqrt(squares / signals.shape[1])
+    )
 
 
 def summarise(block: SampleBlock, principal: NDArray[np.float64] | None = None) -> Summary:
@@ -67,8 +90,8 @@ def summarise(block: SampleBlock, principal: NDArray[np.float64] | None = None) 
         for force in block.forces.T
     )
     nodes = tuple(
-        NodeStress(name, float(stress.max()), float(stress.min()))
-        for name, stress in zip(block.nodes, principal.T, strict=True)
+        NodeStress(name, *map(float, found))
+        for name, *found in zip(block.nodes, *statistics(np.ascontiguousarray(principal.T)), strict=True)
     )
     return Summary(len(block), (wheel_1, wheel_2), nodes)
 
@@ -84,8 +107,8 @@ def combine(parts: Iterable[Summary]) -> Summary:
         WheelLoad(
             max_force=max(load.max_force for load in loads),
             min_force=min(load.min_force for load in loads),
-            mean_force=sum(weight * load.mean_force for weight, load in zip(weights, loads, strict=True)),
-            rms_force=math.sqrt(sum(weight * load.rms_force**2 for weight, load in zip(weights, loads, strict=True))),
+            mean_force=_mean(weights, (load.mean_force for load in loads)),
+            rms_force=math.sqrt(_mean(weights, (load.rms_force**2 for load in loads))),
             contact_loss=sum(load.contact_loss for load in loads),
         )
         for loads in zip(*(part.wheels for part in parts), strict=True)
@@ -95,7 +118,13 @@ def combine(parts: Iterable[Summary]) -> Summary:
             stresses[0].name,
             max(stress.max_principal for stress in stresses),
             min(stress.min_principal for stress in stresses),
+            _mean(weights, (stress.mean_principal for stress in stresses)),
+            math.sqrt(_mean(weights, (stress.rms_principal**2 for stress in stresses))),
         )
         for stresses in zip(*(part.nodes for part in parts), strict=True)
     )
     return Summary(samples, (wheel_1, wheel_2), nodes)
+
+
+def _mean(weights: Iterable[float], values: Iterable[float]) -> float:
+    return sum(weight * value for weight, value in zip(weights, values, strict=True))
