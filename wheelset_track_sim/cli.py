@@ -10,6 +10,7 @@ from typing import NoReturn
 
 from . import __version__, shipped
 from .errors import InputError, WheelsetTrackError
+from .memory import keep_freed_memory
 
 PROGRAM = "wheelset-track-sim"
 
@@ -22,6 +23,7 @@ class _Parser(argparse.ArgumentParser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    keep_freed_memory()
     try:
         if given[:1] == ["node"]:  # its arguments are those of every ROS node
             return _node(given[1:])
