@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from .. import __version__
 from ..errors import InputError, RecordingError
 from ..simulation.block import SampleBlock
-from .definitions import full_name, schema, serialise
+from .definitions import full_name, schema
 from .mcap_file import McapFile
 from .messages import Message, State, chunk_messages, state_message
 from .rosbag2_metadata import LATCHED_TOPICS, Topic, channel_metadata, write_folder_metadata
@@ -116,7 +116,7 @@ class BagWriter:
         if not any(topic.count for _, topic in self._topics.values()):
             self._first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)
-        self._mcap.add_message(channel, message.stamp_ns, topic.count, serialise(message.kind, message.fields))
+        self._mcap.add_message(channel, message.stamp_ns, topic.count, message.cdr)
         topic.count += 1
 
     def _register(self, message: Message) -> tuple[int, Topic]:

@@ -57,10 +57,10 @@ def type_hash(kind: str) -> str:
     return typestore().hash_rihs01(full_name(kind))
 
 
-def serialise(kind: str, fields: Mapping[str, Any]) -> memoryview:
+def serialise(kind: str, fields: Mapping[str, Any]) -> bytes:
     """CDR of a message from plain fields: numbers, text, contiguous arrays, and mappings for messages inside."""
     name = full_name(kind)
-    return typestore().serialize_cdr(_message(name, fields), name)
+    return bytes(typestore().serialize_cdr(_message(name, fields), name))
 
 
 def deserialise(kind: str, data: bytes) -> Any:

@@ -6,21 +6,24 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..simulation.block import COMPONENTS, SampleBlock
 from ..simulation.summary import statistics, summarise
 from ..stress.principal import maximum_principal
+from .definitions import serialise
 
 FRAME = "track"
 DAMAGE_FIELDS = ("wheel", "a", "b", "h", "angle", "y")
 NANOSECOND = 1e-9
 
 
-class Message(NamedTuple):
-    """A message before it is one of ROS or of a bag."""
+@dataclass(frozen=True, eq=False)
+class Message:
+    """A message of the node and of its bag."""
 
     topic: str
     """Relative to the node, such as ``axle_stress/a1``."""
@@ -29,6 +32,11 @@ class Message(NamedTuple):
     stamp_ns: int
     fields: dict[str, Any]
     """Values by field: numbers, text, contiguous float64 arrays, mappings for messages inside."""
+
+    @cached_property
+    def cdr(self) -> bytes:
+        """What goes over the wire and into the bag: the same bytes, made once."""
+        return serialise(self.kind, self.fields)
 
 
 @dataclass(frozen=True)

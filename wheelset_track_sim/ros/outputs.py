@@ -10,7 +10,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from ..recording.messages import Message, stress_topic
 from ..recording.rosbag2_metadata import DEPTH, LATCHED_TOPICS
-from .conversions import message_type, to_ros
+from .conversions import message_type
 
 
 class Outputs:
@@ -40,7 +40,7 @@ class Outputs:
     def publish(self, messages: Iterable[Message]) -> None:
         """Publish messages on their topics."""
         for message in messages:
-            self._publishers[message.topic].publish(to_ros(message))
+            self._publishers[message.topic].publish(message.cdr)
 
     def destroy(self) -> None:
         """Take the publishers away."""
