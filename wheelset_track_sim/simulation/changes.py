@@ -1,0 +1,85 @@
+"""Changes of a run: accepted whole, put in order, and handed over when they come into force."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contact.law_kernels import ContactLaw
+from ..scenario import Scenario
+from .passage import first_clear_step
+
+
+@dataclass(frozen=True)
+class Revision:
+    """An accepted change: its number, and the step from which it is in force."""
+
+    number: int
+    step: int
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """What a run stands under from a revision on."""
+
+    revision: Revision
+    scenario: Scenario
+    law: ContactLaw
+    preload: NDArray[np.float64]
+    """Approach of each wheel under the static load without dynamics, (2,) m."""
+
+
+class Changes:
+    """Conditions in the order in which they come into force; one thread runs, any thread adds."""
+
+    def __init__(self, first: Condition, tread_origin: int) -> None:
+        self._lock = threading.Lock()
+        self._in_force, self._tread_origin = first, tread_origin
+        self._queue: deque[Condition] = deque()
+        self._horizon = 0
+
+    @property
+    def in_force(self) -> Condition:
+        """The condition of the latest step."""
+        return self._in_force
+
+    @property
+    def newest(self) -> Condition:
+        """The condition accepted last; it may come into force a little later."""
+        with self._lock:
+            return self._queue[-1] if self._queue else self._in_force
+
+    def add(
+        self, scenario: Scenario, law: ContactLaw, preload: NDArray[np.float64], *, number: int | None = None
+    ) -> Revision:
+        """Accept a change, the next in ``number``, for the first step at which it can come into force.
+
+        That is behind the block at hand and all earlier changes, with no irregularity that changes in a contact patch.
+        """
+        with self._lock:
+            last = self._queue[-1] if self._queue else self._in_force
+            earliest = max(self._horizon, last.revision.step)
+            step = first_clear_step(last.law, law, earliest, self._tread_origin)
+            revision = Revision(last.revision.number + 1 if number is None else number, step)
+            self._queue.append(Condition(revision, scenario, law, preload))
+        return revision
+
+    def due(self, step: int) -> Iterator[Condition]:
+        """Conditions that come into force up to ``step``, one after the other."""
+        while True:
+            with self._lock:
+                if not self._queue or self._queue[0].revision.step > step:
+                    return
+                self._in_force = self._queue.popleft()
+            yield self._in_force
+
+    def claim(self, end: int) -> int:
+        """The step before ``end``, or ``end``, up to which nothing changes any more: a block runs up to there."""
+        with self._lock:
+            self._horizon = min(end, self._queue[0].revision.step) if self._queue else end
+            return self._horizon

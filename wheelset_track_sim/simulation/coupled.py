@@ -1,0 +1,84 @@
+"""Both contacts, wheelset and track at the step that they have come to."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ContactError
+from .changes import Condition
+from .coupled_kernels import run
+from .models import Models
+
+Real = NDArray[np.float64]
+
+
+class Coupled:
+    """The coupled system, stepped under a condition at a speed; its state carries over exactly from one to the next."""
+
+    def __init__(self, models: Models, wheel_load: float, step: int, speed: float) -> None:
+        """At rest, or in steady running, under ``wheel_load`` N on both wheels at ``step``."""
+        self._models = models
+        self._dynamics = models.dynamics.start(wheel_load, step, models.step_length, speed)
+        self._speed = self._speed_behind = speed
+        self._next = step
+        self._xi = np.empty((0, 2, 2))
+
+    @property
+    def next_step(self) -> int:
+        """Index of the next sample."""
+        return self._next
+
+    @property
+    def displacements(self) -> Real:
+        """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
+        return self._xi
+
+    def run(self, condition: Condition, speed: float, steps: int) -> tuple[Real, Real]:
+        """Forces (n, 2) N and stress components (n, S) Pa of the next ``steps`` steps at ``speed`` m/s.
+
+        They are fewer if a contact problem has no solution behind them; ContactError is raised if it is the first.
+        """
+        forces = np.empty((steps, 2))
+        stress = np.empty((steps, len(self._models.dynamics.stress_rows)))
+        xi = np.empty((steps, 2, 2))
+        done = 0
+        while done < steps:
+            stop = self._set_speed(speed, done, steps)
+            part = slice(done, stop)
+            solved = run(
+                self._dynamics,
+                condition.law,
+                condition.preload,
+                self._models.tread_origin,
+                self._next,
+                forces[part],
+                stress[part],
+                xi[part],
+            )
+            self._next += solved
+            done += solved
+            if done < stop:
+                if done == 0:
+                    self._refuse(condition, xi)
+                break
+        self._xi = xi[:done]
+        return forces[:done], stress[:done]
+
+    def _set_speed(self, speed: float, done: int, stop: int) -> int:
+        """Coefficients for ``speed``; the one step at which it changes has its own, and is run alone."""
+        if speed == self._speed == self._speed_behind:
+            return stop
+        changes = speed != self._speed
+        self._speed_behind = self._speed if changes else speed
+        self._speed = speed
+        models = self._models
+        self._dynamics = models.dynamics.at_speed(self._dynamics, models.step_length, speed, self._speed_behind)
+        return done + 1 if changes else stop
+
+    def _refuse(self, condition: Condition, xi: Real) -> None:
+        approach = condition.preload - xi[0].sum(axis=0)
+        raise ContactError(
+            f"the contact problem of step {self._next} has no solution: approach of wheel 1 and 2 is "
+            f"{approach[0]:g} and {approach[1]:g} m, beyond what half-spaces of this size can carry"
+        )
