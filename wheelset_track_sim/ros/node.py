@@ -60,7 +60,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._stream: Stream | None = None
         self._state: State | None = None
         self._start_ns = 0
-        self._outputs = Outputs(self)
+        self._outputs = Outputs(self, self.parameters.decimation({}))
         self._recorder = Recorder(self.get_fully_qualified_name())
         self.add_on_set_parameters_callback(self._on_parameters)
 
@@ -176,6 +176,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._stop_stream()
         with self._lock:
             self._simulator = None
+        self._outputs.finish()
         self._outputs.destroy()
         path = self._recorder.path
         self._recorder.stop()
@@ -193,7 +194,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         if self._simulator is not None and (self._state is None or self._state.revision != block.revision):
             self._tell(state(self._simulator, block), RUNNING, timing)
         self._record(messages)
-        self._outputs.publish(messages)
+        self._outputs.publish_chunk(block, messages, self._start_ns)
 
     def _tell(self, found: State, status: int, timing: Timing | None = None, message: str = "") -> None:
         timing = timing or Timing(float("nan"), 0.0)
@@ -220,6 +221,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
     def _on_end(self, failure: Exception | None) -> None:
         """In the stream's thread: the run is over by itself, or the simulation cannot go on."""
+        self._outputs.finish()
         if failure is None:
             self._end(None)
             return
@@ -235,13 +237,15 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         """All or nothing: one call is one revision."""
         with self._lock:
             try:
-                scenario, pace = self.parameters.changed({item.name: item.value for item in parameters})
+                changes = {item.name: item.value for item in parameters}
+                scenario, pace = self.parameters.changed(changes)
                 if scenario != self._scenario and self._simulator is not None:
                     revision = self._simulator.apply(scenario)
                     self.get_logger().info(f"revision {revision.number} from step {revision.step}")
             except InputError as refusal:
                 return SetParametersResult(successful=False, reason=str(refusal))
             self._scenario = scenario
+            self._outputs.decimation = self.parameters.decimation(changes)
             if pace != self._pace:
                 self._pace = pace
                 if self._stream is not None:

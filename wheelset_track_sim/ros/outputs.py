@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..recording.messages import Message, stress_topic
+from ..recording.messages import Message, chunk_messages, stress_topic
 from ..recording.rosbag2_metadata import DEPTH, LATCHED_TOPICS
+from ..simulation.block import SampleBlock
+from ..simulation.decimation import BlockDecimator
 from .conversions import message_type
 
 
 class Outputs:
-    """Publishers of one run: ``contact_forces``, ``axle_stress/*``, ``summary``, and ``state`` for late subscribers."""
+    """Publishers of one run: ``contact_forces``, ``axle_stress/*``, ``summary``, and ``state`` for late subscribers.
 
-    def __init__(self, node: Node) -> None:
+    Forces and stresses may be decimated, each by a factor of its own; the summary is always of every step.
+    """
+
+    def __init__(self, node: Node, decimation: Mapping[str, int]) -> None:
         """For ``node``; nothing is published before ``create``."""
+        self.decimation = decimation
+        """Steps from sample to sample by topic, from the next chunk on; a filter that changes starts anew."""
         self._node = node
         self._publishers: dict[str, Any] = {}
+        self._decimators: dict[str, BlockDecimator] = {}
+        self._start_ns = 0
 
     def create(self, stress_nodes: Sequence[str]) -> None:
         """Make the publishers; those of the stream publish while the node is active."""
@@ -37,6 +46,23 @@ class Outputs:
             make = self._node.create_publisher if latched else self._node.create_lifecycle_publisher
             self._publishers[topic] = make(message_type(kind), f"~/{topic}", quality)
 
+    def publish_chunk(self, block: SampleBlock, messages: Iterable[Message], start_ns: int) -> None:
+        """Publish a chunk, whose ``messages`` are at full rate; ``start_ns`` is the time stamp of step 0, ns."""
+        self._start_ns = start_ns
+        for topic, factor in self.decimation.items():
+            if self._factor(topic) != factor:
+                self._finish(topic)
+                if factor > 1:
+                    self._decimators[topic] = BlockDecimator(factor)
+        self.publish(message for message in messages if self._factor(_family(message)) == 1)
+        for topic, decimator in self._decimators.items():
+            self._publish_decimated(topic, decimator.push(block))
+
+    def finish(self) -> None:
+        """Publish what the filters hold back, at the end of a run."""
+        for topic in [*self._decimators]:
+            self._finish(topic)
+
     def publish(self, messages: Iterable[Message]) -> None:
         """Publish messages on their topics."""
         for message in messages:
@@ -50,3 +76,19 @@ class Outputs:
             else:
                 self._node.destroy_lifecycle_publisher(publisher)
         self._publishers.clear()
+
+    def _factor(self, topic: str) -> int:
+        return self._decimators[topic].factor if topic in self._decimators else 1
+
+    def _finish(self, topic: str) -> None:
+        if topic in self._decimators:
+            self._publish_decimated(topic, self._decimators.pop(topic).finish())
+
+    def _publish_decimated(self, topic: str, blocks: Iterable[SampleBlock]) -> None:
+        for block in blocks:
+            self.publish(message for message in chunk_messages(block, self._start_ns) if _family(message) == topic)
+
+
+def _family(message: Message) -> str:
+    """What a decimation is set for: ``axle_stress`` of ``axle_stress/a1``."""
+    return message.topic.partition("/")[0]

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 
@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..irregularities import Breakout
 from ..scenario import WHEELS, Scenario, load_scenario
 from ..schema import Quantity, quantity_of
+from ..simulation.decimation import FACTOR
 from ..simulation.pacing import Pace
 
 SIZE_C = {"a": 0.030, "b": 0.024, "h": 0.0, "angle": 0.0, "y": 0.0}
@@ -26,6 +27,8 @@ START_UP = {
     "record.on_start": (False, "Record from the start of the run on"),
 }
 SCENARIO_NUMBERS = ("speed", "axle_load")
+DECIMATED = ("contact_forces", "axle_stress")
+"""Topics that may be decimated."""
 OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 Values = Mapping[str, Any]
 
@@ -80,6 +83,8 @@ class Parameters:
         for field in dataclasses.fields(Pace):
             quantity = quantity_of(Pace, field.name)
             self._declare(field.name, field.default, _number(quantity, read_only=field.name == "duration"))
+        for topic in DECIMATED:
+            self._declare(f"{topic}.decimation", 1, _steps(f"Steps from sample to sample of {topic}: 1 is full rate"))
         self._warn_of_unknown()
         self.changed({})
 
@@ -93,11 +98,21 @@ class Parameters:
         values = {name: self[name] for name in names} | dict(changes)
         return with_values(self._file, values), pace_of(values)
 
+    def decimation(self, changes: Values) -> dict[str, int]:
+        """Steps from sample to sample of each topic in ``DECIMATED`` with ``changes`` made."""
+        names = {topic: f"{topic}.decimation" for topic in DECIMATED}
+        return {topic: changes[name] if name in changes else self[name] for topic, name in names.items()}
+
     def _declare(self, name: str, default: Any, descriptor: ParameterDescriptor) -> None:
         try:
             self._node.declare_parameter(name, default, descriptor)
         except InvalidParameterTypeException:
-            kind = {float: "a number with a decimal point, such as 1.0", bool: "true or false", str: "text"}
+            kind = {
+                float: "a number with a decimal point, such as 1.0",
+                int: "a whole number, such as 10",
+                bool: "true or false",
+                str: "text",
+            }
             raise InputError(f"parameter {name} is of the wrong type: give {kind[type(default)]}") from None
         except InvalidParameterValueException as refusal:
             raise InputError(" ".join(str(refusal).split())) from None
@@ -125,6 +140,11 @@ def _number(quantity: Quantity, *, read_only: bool = False) -> ParameterDescript
         read_only=read_only,
         floating_point_range=[FloatingPointRange(from_value=float(quantity.low), to_value=float(quantity.high))],
     )
+
+
+def _steps(description: str) -> ParameterDescriptor:
+    limits = IntegerRange(from_value=int(FACTOR.low), to_value=int(FACTOR.high))
+    return ParameterDescriptor(description=description, integer_range=[limits])
 
 
 def _overrides(node: Node) -> Iterable[str]:

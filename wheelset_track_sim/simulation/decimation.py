@@ -52,6 +52,15 @@ def low_pass(factor: int) -> Real:
     return response
 
 
+@lru_cache(maxsize=8)
+def polyphase(factor: int) -> Real:
+    """``low_pass`` by the phase of a step between kept samples, and by the sample it adds to: (factor, 2 REACH + 1)."""
+    padded = np.concatenate([low_pass(factor), np.zeros(factor - 1)])
+    weights: Real = np.ascontiguousarray(padded.reshape(2 * REACH + 1, factor).T[:, ::-1])
+    weights.flags.writeable = False
+    return weights
+
+
 class Decimator:
     """Signals in, each ``factor``-th sample out; any cut of the same run gives the same bits.
 
@@ -61,12 +70,11 @@ class Decimator:
 
     def __init__(self, factor: int, first_step: int) -> None:
         """For a run that begins at ``first_step``."""
-        self._factor, self._response = factor, low_pass(factor)
-        self._half = len(self._response) // 2
+        self._factor, self._weights, self._half = factor, polyphase(factor), REACH * factor
         self._step = first_step
         self._last: Real | None = None
         self._number = -(-first_step // factor)  # of the first output that is not complete
-        self._sums = np.zeros((0, 0))
+        self._sums = np.zeros((0, 0))  # (signals, outputs begun)
 
     @property
     def next_step(self) -> int:
@@ -76,7 +84,7 @@ class Decimator:
     def push(self, samples: Real) -> Real:
         """Samples (n, signals) of the next steps in; those that are complete out, from ``next_step`` before on."""
         if self._last is None:
-            self._sums = np.zeros((0, samples.shape[1]))
+            self._sums = np.zeros((samples.shape[1], 0))
             self._step -= self._half
             self._add(np.repeat(samples[:1], self._half, axis=0))
         self._last = samples[-1:].copy()
@@ -85,19 +93,18 @@ class Decimator:
     def finish(self) -> Real:
         """The samples up to the last step that went in; the decimator is used up."""
         if self._last is None:
-            return self._sums
+            return np.zeros((0, 0))
         return self._add(np.repeat(self._last, self._half, axis=0))
 
     def _add(self, rows: Real) -> Real:
         end = self._step + len(rows)
-        begun = (end - 1 + self._half) // self._factor + 1
-        sums = np.zeros((begun - self._number, rows.shape[1]))
-        sums[: len(self._sums)] = self._sums
-        first_place = self._step - self._number * self._factor + self._half
-        accumulate(sums, first_place, self._factor, self._response, rows)
-        complete = max(0, (end - 1 - self._half) // self._factor + 1 - self._number)
-        self._step, self._number, self._sums = end, self._number + complete, sums[complete:]
-        return sums[:complete]
+        latest = (end - 1) // self._factor
+        sums = np.zeros((rows.shape[1], max(0, latest + REACH + 1 - self._number)))
+        sums[:, : self._sums.shape[1]] = self._sums
+        accumulate(sums, self._number, self._step, self._weights, rows)
+        complete = max(0, latest - REACH + 1 - self._number)
+        self._step, self._number, self._sums = end, self._number + complete, sums[:, complete:]
+        return np.ascontiguousarray(sums[:, :complete].T)
 
 
 class BlockDecimator:

@@ -10,17 +10,26 @@ from ..jit import kernel
 
 @kernel
 def accumulate(
-    sums: NDArray[np.float64], first_place: int, factor: int, response: NDArray[np.float64], rows: NDArray[np.float64]
+    sums: NDArray[np.float64],
+    first_output: int,
+    first_step: int,
+    weights: NDArray[np.float64],
+    samples: NDArray[np.float64],
 ) -> None:
-    """Add the samples ``rows`` (n, signals) to the outputs ``sums`` (outputs, signals) that they are part of.
+    """Add the ``samples`` (n, signals) of consecutive steps to the outputs ``sums`` (signals, outputs) they belong to.
 
-    Output i takes row j with the weight ``response[first_place + j - i factor]`` where there is one. Each output adds
-    up in the order of the rows, one after the other, so that the bits do not depend on how a run is cut.
+    The step ``number * factor + phase`` is part of output ``number - reach + i`` with ``weights[phase, i]``, shape
+    (factor, 2 reach + 1). Each output adds up step by step, so that its bits do not depend on how a run is cut.
     """
-    taps = len(response)
-    for output in range(len(sums)):
-        place = first_place - output * factor
-        for row in range(max(0, -place), min(len(rows), taps - place)):
-            weight = response[place + row]
-            for signal in range(rows.shape[1]):
-                sums[output, signal] += weight * rows[row, signal]
+    factor, span = weights.shape
+    for row in range(len(samples)):
+        number = (first_step + row) // factor
+        phase = first_step + row - number * factor
+        place = number - span // 2 - first_output
+        low = max(-place, 0 if phase == 0 else 1)  # what is complete, or before the first output, stays as it is
+        response = weights[phase, low:]
+        for signal in range(samples.shape[1]):
+            value = samples[row, signal]
+            target = sums[signal, place + low : place + span]
+            for i in range(len(target)):
+                target[i] += response[i] * value
