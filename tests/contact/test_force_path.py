@@ -3,7 +3,7 @@ import pytest
 
 from wheelset_track_sim.contact.active_set_kernels import CONVERGED, solve_active_set
 from wheelset_track_sim.contact.influence import influence_table
-from wheelset_track_sim.contact.path_kernels import force_path
+from wheelset_track_sim.contact.tables import force_path
 
 NONE = np.empty((0, 0))
 

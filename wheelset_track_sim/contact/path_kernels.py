@@ -20,44 +20,44 @@ BLOCK = 64
 def enlarged(array: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
     """Copy of an array in the corner of a larger one."""
     larger = np.zeros((rows, columns))
-    larger[: array.shape[0], : array.shape[1]] = array
+    for i in range(array.shape[0]):  # assigning a slice takes seconds to compile
+        for j in range(array.shape[1]):
+            larger[i, j] = array[i, j]
     return larger
 
 
 @kernel
-def force_path(
-    separation: NDArray[np.float64],
+def follow_path(
+    at_i: NDArray[np.int64],
+    at_j: NDArray[np.int64],
+    gap: NDArray[np.float64],
+    shape: tuple[int, int],
     mirrored: bool,
     influence: NDArray[np.float64],
     element_area: float,
     largest_force: float,
 ) -> NDArray[np.float64]:
-    """Kinks of the force-approach curve, (points, 2): approach, m, and force, N, rising from first touch.
+    """Kinks of the force-approach curve as in ``tables.force_path``.
 
-    The last point is at ``largest_force``, or where the contact reaches the border of the area (nx, ny) of
-    ``separation``, m. Arguments as in ``solve_active_set``.
+    ``gap``, m, rises: the separation of the elements at ``at_i``, ``at_j`` of an area of a ``shape``; with
+    ``mirrored`` of those from its middle column on.
 
     Between kinks the pressures p grow by q times the approach, where q is that of a flat punch on the elements in
     contact. The inverse of their influence matrix is carried along and bordered or deflated by one element a kink;
     ``felt`` holds what unit pressure on each of them does to all elements.
     """
-    nx, ny = separation.shape
+    nx, ny = shape
     centre = ny // 2
-    first = centre if mirrored else 0
-    flat = separation[:, first:].copy().ravel()
-    order = np.argsort(flat, kind="mergesort")
-    order = order[np.isfinite(flat[order])]
-    m = len(order)
-    gap = flat[order]
-    at_i = order // (ny - first)
-    at_j = order % (ny - first) + first
+    m = len(gap)
     weight = np.ones(m)
     if mirrored:
-        weight[at_j != centre] = 2.0
+        for c in range(m):
+            if at_j[c] != centre:
+                weight[c] = 2.0
 
     points = np.empty((4 * m + 4, 2))
     approach, force = gap[0], 0.0
-    points[0] = approach, force
+    points[0, 0], points[0, 1] = approach, force
     count = 1
     inside = np.zeros(m, np.bool_)
     chosen = np.empty(m, np.int64)
@@ -78,7 +78,8 @@ def force_path(
                 felt[n, c] = weight[entering] * pair(influence, mirrored, centre, at_i[c], at_j[c], i, j)
             own = weight[entering] * felt[n, entering]
             rate = weight[entering]
-            g[:n] = 0.0
+            for a in range(n):
+                g[a] = 0.0
             for b in range(n):
                 column[b] = weight[entering] * felt[b, entering]
                 row = inverse[b, :n]
@@ -104,13 +105,18 @@ def force_path(
         elif leaving >= 0:
             n -= 1
             inside[chosen[leaving]] = False
-            g[: n + 1] = inverse[leaving, : n + 1]
+            for a in range(n + 1):
+                g[a] = inverse[leaving, a]
             g[leaving], g[n] = g[n], g[leaving]
             # The last element takes the place of the one that leaves.
-            inverse[leaving, : n + 1] = inverse[n, : n + 1]
-            inverse[: n + 1, leaving] = inverse[: n + 1, n]
+            for a in range(n + 1):
+                inverse[leaving, a] = inverse[n, a]
+            for a in range(n + 1):
+                inverse[a, leaving] = inverse[a, n]
             inverse[leaving, leaving] = inverse[n, n]
-            chosen[leaving], p[leaving], felt[leaving] = chosen[n], p[n], felt[n]
+            chosen[leaving], p[leaving] = chosen[n], p[n]
+            for c in range(m):
+                felt[leaving, c] = felt[n, c]
             q[leaving], q[n] = q[n], q[leaving]
             for b in range(n):
                 q[b] -= g[b] * q[n] / g[n]
@@ -152,7 +158,7 @@ def force_path(
         if count > 1 and approach - points[count - 1, 0] <= 1e-12 * (approach - gap[0]):
             count -= 1
         if approach > points[0, 0]:
-            points[count] = approach, force
+            points[count, 0], points[count, 1] = approach, force
             count += 1
         if entering < 0 and leaving < 0:
             break

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .. import cache
 from ..errors import ContactError
 from . import active_set_kernels, path_kernels
-from .path_kernels import force_path
+from .path_kernels import follow_path
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -79,6 +79,29 @@ def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], smooth_
                 heights.append(window)
             number[wheel, position] = found[key]
     return Windows(number, heights)
+
+
+def force_path(
+    separation: NDArray[np.float64],
+    mirrored: bool,
+    influence: NDArray[np.float64],
+    element_area: float,
+    largest_force: float,
+) -> NDArray[np.float64]:
+    """Kinks of the force-approach curve, (points, 2): approach, m, and force, N, rising from first touch.
+
+    The last point is at ``largest_force``, or where the contact reaches the border of the area (nx, ny) of
+    ``separation``, m. Arguments as in ``solve_active_set``.
+    """
+    ny = separation.shape[1]
+    first = ny // 2 if mirrored else 0
+    flat = separation[:, first:].ravel()
+    order = np.argsort(flat, kind="stable")
+    order = order[np.isfinite(flat[order])]
+    at_i, at_j = np.divmod(order, ny - first)
+    return follow_path(
+        at_i, at_j + first, flat[order], separation.shape, mirrored, influence, element_area, largest_force
+    )
 
 
 def force_tables(
