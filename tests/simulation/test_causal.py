@@ -1,8 +1,10 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
 from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.causal import CausalModel, truncated
+from wheelset_track_sim.simulation.causal import CausalModel, causal_model, truncated
 from wheelset_track_sim.simulation.causal_kernels import advance, displacements, stresses
 from wheelset_track_sim.simulation.models import load_models
 
@@ -76,3 +78,28 @@ def test_modes_left_out_keep_their_statics(model: CausalModel, limit: float) -> 
     assert compliance == pytest.approx(
         model.wheelset.static_receptance() + model.wheelset.displacement_residual, rel=1e-9
     )
+
+
+def test_modes_beyond_one_bank_fill_the_next(model: CausalModel) -> None:
+    """Each mode cut into two equal ones is the same wheelset."""
+    whole = model.wheelset
+    cut = dataclasses.replace(
+        whole,
+        poles=np.repeat(whole.poles, 2),
+        inputs=np.repeat(whole.inputs, 2, axis=0) / 2,
+        outputs=np.repeat(whole.outputs, 2, axis=1),
+        stress_outputs=np.repeat(whole.stress_outputs, 2, axis=2),
+    )
+    twice = causal_model(cut, model.track, ["A1", "B1", "C1"], "residual")
+    assert len(twice.start(LOAD, 0, DX, SPEED).wheels) == 2
+    for one, two in zip(stepped(model, 700), stepped(twice, 700), strict=True):
+        assert two == pytest.approx(one, rel=1e-5, abs=1e-12)
+
+
+def test_modes_that_answer_at_once_keep_their_statics(model: CausalModel) -> None:
+    summed = model.stress_output.shape[1]
+    assert summed < len(model.wheelset.poles)
+    modal = model.wheelset.inputs[:summed] / model.wheelset.poles[:summed, np.newaxis]
+    static = model.stress_feedthrough - (model.stress_output @ modal).real
+    expected = model.wheelset.static_stress().reshape(-1, 2)[model.stress_rows]
+    assert static == pytest.approx(expected, rel=1e-9, abs=1e-9)

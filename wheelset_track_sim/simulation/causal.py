@@ -23,12 +23,18 @@ from numpy.typing import NDArray
 
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track_balance import HalfModes, MovingTrack
-from .causal_kernels import Causal
+from .causal_kernels import ROW, Causal
 from .hold import hold_coefficients
 from .stress_rows import stress_rows
 
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
+
+REGISTER = 8
+"""Numbers in the widest vector register; banks begin on the border of one and are filled in whole ones."""
+
+STATIC_STRESS = 5e-4
+"""Share of the largest static stress that modes may hold together to answer at once instead of being summed up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +47,7 @@ class CausalModel:
     wheelset: ReducedWheelset
     track: MovingTrack
     wheel_residual: Real  # (2,) m/N of the wheels
-    stress_output: Complex  # (S, P)
+    stress_output: Complex  # (S, R) of the first R modes; the others answer at once
     stress_feedthrough: Real  # (S, 2)
     stress_rows: NDArray[np.intp]  # (S,) where the components stand in the flattened (nodes, 6)
     changes_speed: ClassVar[bool] = True
@@ -62,8 +68,10 @@ class CausalModel:
         place = step % len(even.input)
         state = even.from_state @ self.track.symmetric.standing(place, wheel_load)
         state -= hold_coefficients(even.poles, dt)[1] * even.input[place] * wheel_load
-        track = np.concatenate([state, np.zeros(len(odd.poles))])
-        return self._at(_parts(wheel), _parts(track), dx, speed, speed)
+        track = state, np.zeros_like(odd.poles)
+        wheels = (self.wheelset.outputs @ wheel).real
+        rail = (even.output[place] @ state).real
+        return self._at(wheel, track, np.array([wheels, [rail, rail]]), dx, speed, speed)
 
     def at_speed(self, dynamics: Causal, dx: float, speed: float, behind: float) -> Causal:
         """Dynamics at another ``speed`` m/s, with the state of ``dynamics``.
@@ -71,46 +79,41 @@ class CausalModel:
         For the one step at which the speed changes, ``behind`` is the speed with which that step was reached: what
         its own force displaces belongs to the interval behind it, everything else to the one ahead.
         """
-        track = dynamics.track_state
+        before, after = _halves(self, dynamics.speed), _halves(self, speed)
+        wheel = _unbanked(dynamics.wheels, len(self.wheelset.poles))
+        states = [_unbanked(r, len(of.poles)) for r, of in zip(dynamics.track, before, strict=True)]
         if dynamics.speed != speed:
-            before, after = _halves(self, dynamics.speed), _halves(self, speed)
-            parts = np.split(track[0] + 1j * track[1], [dynamics.symmetric])
-            track = _parts(
-                np.concatenate([to.carried(old, r) for to, old, r in zip(after, before, parts, strict=True)])
-            )
-        return self._at(dynamics.wheel_state, track, dx, speed, behind)
+            states = [to.carried(old, r) for to, old, r in zip(after, before, states, strict=True)]
+        return self._at(wheel, states, dynamics.coming, dx, speed, behind)
 
-    def _at(self, wheel_state: Real, track_state: Real, dx: float, speed: float, behind: float) -> Causal:
+    def _at(
+        self, wheel: Complex, track: Sequence[Complex], coming: Real, dx: float, speed: float, behind: float
+    ) -> Causal:
         dt = dx / speed
         poles, inputs, outputs = self.wheelset.poles, self.wheelset.inputs, self.wheelset.outputs
         a, (b0, _), (_, b1) = np.exp(poles * dt), hold_coefficients(poles, dt), hold_coefficients(poles, dx / behind)
         wheel_compliance = (outputs * b1 * inputs.T).real.sum(axis=1) + self.wheel_residual
-        stress_direct = (self.stress_output @ (b1[:, np.newaxis] * inputs)).real + self.stress_feedthrough
-        ahead, back = _halves(self, speed), _halves(self, behind)
-        tables = [_track_tables(half, old, dx, speed, behind) for half, old in zip(ahead, back, strict=True)]
-        at_once = [table.at_once + half.residual for table, half in zip(tables, self.track.halves, strict=True)]
+        summed = self.stress_output.shape[1]
+        stress_direct = (self.stress_output @ (b1[:summed, np.newaxis] * inputs[:summed])).real
+        gains = ((a * b1 + b0)[:, np.newaxis] * inputs).T
+        track_steps = _track_steps(self, dx, speed, behind)
+        halves = [np.stack([r, factor]) for r, factor in zip(track, track_steps.factors, strict=True)]
         return Causal(
-            wheel_state=wheel_state,
-            wheel_factor=_parts(a),
-            wheel_gain=_parts(((a * b1 + b0)[:, np.newaxis] * inputs).T),
-            wheel_output=_parts(outputs),
-            track_state=track_state,
-            track_factor=_parts(np.concatenate([table.factor for table in tables])),
-            track_input=_parts(np.concatenate([table.input for table in tables], axis=1)),
-            track_output=_parts(np.concatenate([half.output for half in ahead], axis=1)),
-            symmetric=len(ahead[0].poles),
-            stress_output=_parts(self.stress_output),
-            stress_direct=stress_direct,
+            wheels=_banked(np.stack([wheel, a, *gains, *outputs])),
+            wheel_modes=_whole_registers(len(poles)),
+            track=_banked(_side_by_side(halves)),
+            places=track_steps.places,
+            track_modes=_whole_registers(max(len(r) for r in track)),
+            coming=coming,
+            stress_output=_banked(
+                _padded(self.stress_output, 0, -(-len(self.stress_output) // 4) * 4).reshape(-1, 4, summed)
+            ),
+            stress_modes=_whole_registers(summed),
+            stress_direct=stress_direct + self.stress_feedthrough,
             wheel_compliance=wheel_compliance,
-            rail_compliance=(at_once[0] + at_once[1]) / 2,
+            rail_compliance=track_steps.at_once,
             speed=speed,
         )
-
-
-class _TrackTables(NamedTuple):
-    factor: Complex  # (Q,)
-    input: Complex  # (L, Q) what a unit force at a place adds to the predictor
-    at_once: Real  # (L,) m/N of the force at the same step
 
 
 @lru_cache(maxsize=64)
@@ -118,16 +121,31 @@ def _halves(model: CausalModel, speed: float) -> tuple[HalfModes, HalfModes]:
     return model.track.symmetric.modes(speed), model.track.antisymmetric.modes(speed)
 
 
-def _track_tables(ahead: HalfModes, behind: HalfModes, dx: float, speed: float, speed_behind: float) -> _TrackTables:
-    """Step of half a track: ``r <- a r + input F`` with ``input = a b1 s + b0 s``, b1 of the interval behind."""
-    dt = dx / speed
-    a = np.exp(ahead.poles * dt)
-    b1 = hold_coefficients(behind.poles, dx / speed_behind)[1]
-    held = b1 * behind.input
-    at_once = np.asarray((behind.output * held).real.sum(axis=1))
-    if ahead is not behind:
-        held = ahead.carried(behind, held)
-    return _TrackTables(a, a * held + hold_coefficients(ahead.poles, dt)[0] * ahead.input, at_once)
+class _TrackSteps(NamedTuple):
+    """Coefficients of a step of the track at a speed."""
+
+    factors: tuple[Complex, ...]  # (Q,) of each half
+    places: Real  # as in ``Causal``
+    at_once: Real  # (L,) m/N of the force at the same step
+
+
+@lru_cache(maxsize=8)
+def _track_steps(model: CausalModel, dx: float, speed: float, behind: float) -> _TrackSteps:
+    """Step of both halves: ``r <- a r + input F`` with ``input = a b1 s + b0 s``, b1 of the interval behind.
+
+    Kept, because wheelsets that run side by side share what is large, the places.
+    """
+    factors, places, at_once = [], [], 0.0
+    for ahead, back, half in zip(_halves(model, speed), _halves(model, behind), model.track.halves, strict=True):
+        a = np.exp(ahead.poles * (dx / speed))
+        held = hold_coefficients(back.poles, dx / behind)[1] * back.input
+        at_once = at_once + ((back.output * held).real.sum(axis=1) + half.residual) / 2
+        if ahead is not back:
+            held = ahead.carried(back, held)
+        into = a * held + hold_coefficients(ahead.poles, dx / speed)[0] * ahead.input
+        factors.append(a)
+        places.append(np.stack([into, np.roll(ahead.output, -1, axis=0)], axis=1))
+    return _TrackSteps(tuple(factors), _banked(_side_by_side(places)), np.asarray(at_once))
 
 
 def causal_model(wheelset: ReducedWheelset, track: MovingTrack, nodes: Sequence[str], lag_zero: str) -> CausalModel:
@@ -135,16 +153,41 @@ def causal_model(wheelset: ReducedWheelset, track: MovingTrack, nodes: Sequence[
 
     ``lag_zero`` is a variant of ``scenario.LAG_ZERO``: which residuals displace the contacts at the force's instant.
     """
-    rows, kept = stress_rows(wheelset, nodes)
+    nodes_at, kept = stress_rows(wheelset, nodes)
+    wheelset, summed = _by_static_stress(wheelset, nodes_at)
+    stress_outputs = wheelset.stress_outputs[nodes_at].reshape(-1, len(wheelset.poles))[kept]
+    at_once = -(stress_outputs[:, summed:] @ (wheelset.inputs[summed:] / wheelset.poles[summed:, np.newaxis])).real
     own = np.diag(wheelset.displacement_residual)
     return CausalModel(
         wheelset=wheelset,
         track=track.without_residual() if lag_zero == "zero" else track,
         wheel_residual=own if lag_zero == "wheel_residual" else np.zeros_like(own),
-        stress_output=wheelset.stress_outputs[rows].reshape(-1, len(wheelset.poles))[kept],
-        stress_feedthrough=wheelset.stress_feedthrough[rows].reshape(-1, 2)[kept],
+        stress_output=stress_outputs[:, :summed],
+        stress_feedthrough=wheelset.stress_feedthrough[nodes_at].reshape(-1, 2)[kept] + at_once,
         stress_rows=kept,
     )
+
+
+def _by_static_stress(wheelset: ReducedWheelset, nodes: Sequence[int]) -> tuple[ReducedWheelset, int]:
+    """Modes in the order of what they add to the static stress of ``nodes``, and how many of them are summed up."""
+    modal = (
+        wheelset.stress_outputs[nodes].reshape(-1, len(wheelset.poles), 1)
+        * wheelset.inputs
+        / wheelset.poles[:, np.newaxis]
+    )
+    share = np.abs(modal).max(axis=(0, 2), initial=0.0)
+    order = np.argsort(-share, kind="stable")
+    static = np.abs(modal.real.sum(axis=1)).max(initial=0.0)
+    left = np.cumsum(share[order][::-1])[::-1]  # of each mode and all behind it
+    summed = int((left > STATIC_STRESS * static).sum())
+    ordered = dataclasses.replace(
+        wheelset,
+        poles=wheelset.poles[order],
+        inputs=wheelset.inputs[order],
+        outputs=wheelset.outputs[:, order],
+        stress_outputs=wheelset.stress_outputs[..., order],
+    )
+    return ordered, min(-(-summed // REGISTER) * REGISTER, len(order))
 
 
 def truncated(wheelset: ReducedWheelset, max_frequency: float) -> ReducedWheelset:
@@ -162,6 +205,36 @@ def truncated(wheelset: ReducedWheelset, max_frequency: float) -> ReducedWheelse
     )
 
 
-def _parts(values: Complex) -> Real:
-    """Real and imaginary parts stacked in front, contiguous."""
-    return np.ascontiguousarray(np.stack([values.real, values.imag]))
+def _side_by_side(halves: Sequence[Complex]) -> Complex:
+    """Rows of modes of both halves of the track, (..., K, modes) each, in one length: (..., 2, K, Q)."""
+    longest = max(half.shape[-1] for half in halves)
+    return np.stack([_padded(half, -1, longest) for half in halves], axis=-3)
+
+
+def _whole_registers(modes: int) -> int:
+    return -(-modes // REGISTER) * REGISTER
+
+
+def _padded(values: Complex, axis: int, length: int) -> Complex:
+    widths = [(0, 0)] * values.ndim
+    widths[axis] = (0, length - values.shape[axis])
+    return np.pad(values, widths)
+
+
+def _banked(rows: Complex) -> Real:
+    """Rows of modes, (..., K, modes), as banks of real and imaginary parts: (..., banks, 2 K ROW), aligned memory."""
+    banks = -(-rows.shape[-1] // ROW)
+    split = _padded(rows, -1, banks * ROW).reshape(*rows.shape[:-1], banks, ROW)
+    parts = np.stack([split.real, split.imag], axis=-3)  # (..., K, 2, banks, ROW)
+    parts = np.moveaxis(parts, -2, -4)
+    memory = np.zeros(parts.size + REGISTER)
+    first = -memory.ctypes.data // memory.itemsize % REGISTER
+    aligned = memory[first : first + parts.size]
+    aligned.reshape(parts.shape)[...] = parts
+    return aligned.reshape(*rows.shape[:-2], banks, -1)
+
+
+def _unbanked(banks: Real, modes: int) -> Complex:
+    """First of the rows that ``_banked`` has laid out as (banks, 2 K ROW): (modes,)."""
+    values: Complex = (banks[:, :ROW] + 1j * banks[:, ROW : 2 * ROW]).ravel()[:modes]
+    return values

@@ -1,6 +1,8 @@
 """The ``causal`` dynamics step by step: complex modes of wheelset and track, advanced exactly.
 
-Real and imaginary parts stand in arrays of their own, so that the loops run in vector registers.
+Modes lie in banks: real and imaginary parts of a bank's rows stand ``ROW`` numbers apart in one array, whatever the
+number of modes. With distances that the compiler knows it need not look before each loop, in every step, whether what
+is written overlaps what is read; that took longer than the arithmetic. More than ``ROW`` modes fill several banks.
 """
 
 from __future__ import annotations
@@ -11,26 +13,28 @@ import numpy as np
 
 from ..jit import summing_kernel
 
+ROW = 136
+"""Modes in a bank: room for the shipped models in one; no power of two, whose rows would contend for cache lines."""
+
 
 class Causal(NamedTuple):
-    """State and coefficients; P wheelset modes, Q track modes (the symmetric half's first), L steps a bay.
+    """State and coefficients; P wheelset modes, Q modes of each half of the track, L steps a bay.
 
     The state is the predictor ``r``: each mode at the coming step, but for that step's own force. With the hold
     coefficients ``a, b0, b1`` of ``simulation.hold`` one step is ``r <- a r + (a b1 + b0) s F``, s the modal load of a
-    unit force; that product is the gain of a wheel and the input of the track.
+    unit force; that product is the gain of a wheel and the input of the track. The halves of the track are the
+    symmetric and the antisymmetric one. Numbers of modes are rounded up to whole vector registers.
     """
 
-    wheel_state: np.ndarray  # (2, P) real and imaginary part of r
-    wheel_factor: np.ndarray  # (2, P) a
-    wheel_gain: np.ndarray  # (2, 2, P) of wheel m: [part, m]
-    wheel_output: np.ndarray  # (2, 2, P) away from the rail, at wheel m: [part, m]
-    track_state: np.ndarray  # (2, Q)
-    track_factor: np.ndarray  # (2, Q) a in the moving frame
-    track_input: np.ndarray  # (2, L, Q) at the position in the bay
-    track_output: np.ndarray  # (2, L, Q)
-    symmetric: int  # number of modes of the symmetric half
-    stress_output: np.ndarray  # (2, S, P) of the S stress components that are not zero by symmetry
-    stress_direct: np.ndarray  # (S, 2) Pa/N of the force at the same step
+    wheels: np.ndarray  # (banks, 12 ROW) rows r, a, gain of wheel 1 and 2, output of wheel 1 and 2 away from the rail
+    wheel_modes: int  # P
+    track: np.ndarray  # (2 halves, banks, 4 ROW) rows r, a; a in the moving frame
+    places: np.ndarray  # (L, 2 halves, banks, 4 ROW) rows input at the place in the bay, output at the next place
+    track_modes: int  # Q
+    coming: np.ndarray  # (2, 2) m displacements of wheels and rails at the coming step, but for its own force
+    stress_output: np.ndarray  # (groups, banks, 8 ROW) rows of four stress components, of the first R modes
+    stress_modes: int  # R <= P
+    stress_direct: np.ndarray  # (S <= 4 groups, 2) Pa/N of the force at the same step
     wheel_compliance: np.ndarray  # (2,) m/N of the force at the same step
     rail_compliance: np.ndarray  # (L,) m/N of the force at the same step
     speed: float  # m/s to which the track modes belong
@@ -39,62 +43,66 @@ class Causal(NamedTuple):
 @summing_kernel
 def displacements(dynamics: Causal, step: int, xi: np.ndarray) -> None:
     """Fill ``xi`` (2, 2), m: [0] wheels and [1] rails, at ``step``, without the force of that step itself."""
-    re, im = dynamics.wheel_state[0], dynamics.wheel_state[1]
-    for wheel in range(2):
-        out_re, out_im = dynamics.wheel_output[0, wheel], dynamics.wheel_output[1, wheel]
-        total = 0.0
-        for p in range(re.size):
-            total += out_re[p] * re[p] - out_im[p] * im[p]
-        xi[0, wheel] = total
-    place = step % dynamics.track_output.shape[1]
-    re, im = dynamics.track_state[0], dynamics.track_state[1]
-    out_re, out_im = dynamics.track_output[0, place], dynamics.track_output[1, place]
-    even = 0.0
-    for q in range(dynamics.symmetric):
-        even += out_re[q] * re[q] - out_im[q] * im[q]
-    odd = 0.0
-    for q in range(dynamics.symmetric, re.size):
-        odd += out_re[q] * re[q] - out_im[q] * im[q]
-    xi[1, 0] = even + odd
-    xi[1, 1] = even - odd
+    coming = dynamics.coming
+    xi[0, 0], xi[0, 1], xi[1, 0], xi[1, 1] = coming[0, 0], coming[0, 1], coming[1, 0], coming[1, 1]
 
 
 @summing_kernel
 def advance(dynamics: Causal, step: int, forces: np.ndarray) -> None:
-    """Take in the ``forces`` (2,) N of ``step`` and move all modes on to the next one."""
-    re, im = dynamics.wheel_state[0], dynamics.wheel_state[1]
-    a_re, a_im = dynamics.wheel_factor[0], dynamics.wheel_factor[1]
-    g_re, g_im = dynamics.wheel_gain[0], dynamics.wheel_gain[1]
-    one, two = forces[0], forces[1]
-    for p in range(re.size):
-        real = a_re[p] * re[p] - a_im[p] * im[p] + g_re[0, p] * one + g_re[1, p] * two
-        im[p] = a_re[p] * im[p] + a_im[p] * re[p] + g_im[0, p] * one + g_im[1, p] * two
-        re[p] = real
-    place = step % dynamics.track_input.shape[1]
-    even, odd = (one + two) / 2, (one - two) / 2
-    _advance_track(dynamics, place, 0, dynamics.symmetric, even)
-    _advance_track(dynamics, place, dynamics.symmetric, dynamics.track_state.shape[1], odd)
+    """Take in the ``forces`` (2,) N of ``step``, move all modes on to the next one and see what they displace there."""
+    coming, one, two = dynamics.coming, forces[0], forces[1]
+    coming[0, 0], coming[0, 1] = _advance_wheels(dynamics, one, two)
+    place = dynamics.places[step % dynamics.places.shape[0]]
+    even = _advance_half(dynamics.track[0], place[0], dynamics.track_modes, (one + two) / 2)
+    odd = _advance_half(dynamics.track[1], place[1], dynamics.track_modes, (one - two) / 2)
+    coming[1, 0], coming[1, 1] = even + odd, even - odd
 
 
 @summing_kernel
-def _advance_track(dynamics: Causal, place: int, first: int, last: int, force: float) -> None:
-    re, im = dynamics.track_state[0], dynamics.track_state[1]
-    a_re, a_im = dynamics.track_factor[0], dynamics.track_factor[1]
-    in_re, in_im = dynamics.track_input[0, place], dynamics.track_input[1, place]
-    for q in range(first, last):
-        real = a_re[q] * re[q] - a_im[q] * im[q] + in_re[q] * force
-        im[q] = a_re[q] * im[q] + a_im[q] * re[q] + in_im[q] * force
-        re[q] = real
+def _advance_wheels(dynamics: Causal, one: float, two: float) -> tuple[float, float]:
+    xi_1 = xi_2 = 0.0
+    for bank in range(dynamics.wheels.shape[0]):
+        w = dynamics.wheels[bank]
+        for p in range(min(ROW, dynamics.wheel_modes - bank * ROW)):
+            re, im, a_re, a_im = w[p], w[ROW + p], w[2 * ROW + p], w[3 * ROW + p]
+            real = a_re * re - a_im * im + w[4 * ROW + p] * one + w[6 * ROW + p] * two
+            imag = a_re * im + a_im * re + w[5 * ROW + p] * one + w[7 * ROW + p] * two
+            w[p], w[ROW + p] = real, imag
+            xi_1 += w[8 * ROW + p] * real - w[9 * ROW + p] * imag
+            xi_2 += w[10 * ROW + p] * real - w[11 * ROW + p] * imag
+    return xi_1, xi_2
+
+
+@summing_kernel
+def _advance_half(half: np.ndarray, place: np.ndarray, modes: int, force: float) -> float:
+    xi = 0.0
+    for bank in range(half.shape[0]):
+        h, at = half[bank], place[bank]
+        for q in range(min(ROW, modes - bank * ROW)):
+            re, im, a_re, a_im = h[q], h[ROW + q], h[2 * ROW + q], h[3 * ROW + q]
+            real = a_re * re - a_im * im + at[q] * force
+            imag = a_re * im + a_im * re + at[ROW + q] * force
+            h[q], h[ROW + q] = real, imag
+            xi += at[2 * ROW + q] * real - at[3 * ROW + q] * imag
+    return xi
 
 
 @summing_kernel
 def stresses(dynamics: Causal, forces: np.ndarray, stress: np.ndarray) -> None:
     """Fill ``stress`` (S,) Pa at the step whose ``forces`` (2,) N are given; before ``advance``."""
-    re, im = dynamics.wheel_state[0], dynamics.wheel_state[1]
-    for s in range(stress.size):
-        out_re, out_im = dynamics.stress_output[0, s], dynamics.stress_output[1, s]
-        total = 0.0
-        for p in range(re.size):
-            total += out_re[p] * re[p] - out_im[p] * im[p]
-        direct = dynamics.stress_direct[s]
-        stress[s] = total + direct[0] * forces[0] + direct[1] * forces[1]
+    direct, one, two = dynamics.stress_direct, forces[0], forces[1]
+    for group in range(dynamics.stress_output.shape[0]):
+        # Four sums at a time: each mode is loaded once for them, and no sum waits for its last addition.
+        sum_0 = sum_1 = sum_2 = sum_3 = 0.0
+        for bank in range(dynamics.stress_output.shape[1]):
+            w, out = dynamics.wheels[bank], dynamics.stress_output[group, bank]
+            for p in range(min(ROW, dynamics.stress_modes - bank * ROW)):
+                re, im = w[p], w[ROW + p]
+                sum_0 += out[p] * re - out[ROW + p] * im
+                sum_1 += out[2 * ROW + p] * re - out[3 * ROW + p] * im
+                sum_2 += out[4 * ROW + p] * re - out[5 * ROW + p] * im
+                sum_3 += out[6 * ROW + p] * re - out[7 * ROW + p] * im
+        for offset, total in enumerate((sum_0, sum_1, sum_2, sum_3)):
+            s = 4 * group + offset
+            if s < stress.size:
+                stress[s] = total + direct[s, 0] * one + direct[s, 1] * two
