@@ -146,20 +146,26 @@ def solve_active_set(
         return 0.0, 0.0, CONVERGED
     centre = ny // 2
     weight = np.ones(m)
-    if mirrored:
-        weight[at_j != centre] = 2.0
+    lowest = gap[0]
+    for a in range(m):  # loops: masks and reductions of NumPy take seconds to compile
+        lowest = min(lowest, gap[a])
+        if mirrored and at_j[a] != centre:
+            weight[a] = 2.0
     active = np.empty(m, np.bool_)
+    occupied = False
     # Hertz: the edge of the contact lies where the undeformed separation is half the approach.
-    edge = 0.5 * (gap.min() + approach)
+    edge = 0.5 * (lowest + approach)
     for a in range(m):
         active[a] = in_contact[at_i[a], at_j[a]]
+        occupied |= active[a]
         if gap[a] <= edge and at_border(nx, ny, mirrored, at_i[a], at_j[a]):
             # Far too deep for the area: no need to solve for thousands of elements to find out.
             in_contact[:] = False
             return np.nan, np.nan, AT_BORDER
-    if not active.any():
-        active[:] = gap <= edge
-    tolerance = RELATIVE_TOLERANCE * (approach - gap.min())
+    if not occupied:
+        for a in range(m):
+            active[a] = gap[a] <= edge
+    tolerance = RELATIVE_TOLERANCE * (approach - lowest)
     force, stiffness, status = np.nan, np.nan, NOT_CONVERGED
     for iteration in range(MOST_ITERATIONS):
         chosen = np.nonzero(active)[0]
@@ -199,7 +205,8 @@ def solve_active_set(
             # Elements are exchanged both ways at once, which converges in a few steps; should that ever cycle,
             # Kalker's order (first remove all that pull, then add all that overlap) takes over.
             present = np.zeros(m, np.bool_)
-            present[chosen] = True
+            for a in range(n):
+                present[chosen[a]] = True
             for c in range(m):
                 if present[c]:
                     continue
