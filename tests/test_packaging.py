@@ -56,8 +56,9 @@ def test_rosdep_keys_cover_the_requirements():
     config.read(ROOT / "setup.cfg")
     requirements = set(re.findall(r"^[\w.-]+", config["options"]["install_requires"], re.MULTILINE))
     named = {re.sub(r"^python3-|-pip$", "", key) for key in keys}
-    assert requirements - {"zstandard"} == named & requirements  # rosbags brings zstandard
-    assert {"python3-ruamel.yaml", "rclpy", "wheelset_track_msgs"} <= keys
+    brought = {"zstandard", "threadpoolctl"}  # by rosbags and sklearn
+    assert requirements - brought == named & requirements
+    assert {"python3-ruamel.yaml", "python3-sklearn", "rclpy", "wheelset_track_msgs"} <= keys
 
 
 def test_data_are_links_to_what_is_kept_at_the_top():

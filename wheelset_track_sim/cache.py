@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 import platformdirs
 
+from .one_core import one_core
+
 if TYPE_CHECKING:
     from typing_extensions import Self
 
@@ -75,7 +77,8 @@ def cached(kind: str, model: type[Model], key: str, build: Callable[[], Model]) 
                 return model.from_arrays(dict(stored))
         except Exception as damage:  # noqa: BLE001  any damage whatever ends in a rebuild
             log.warning("cached model %s cannot be read (%s): built again", path, damage)
-    built = build()
+    with one_core():
+        built = build()
     store(path, built)
     return built
 

@@ -21,6 +21,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..one_core import on_one_core
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track_balance import HalfModes, MovingTrack
 from .causal_kernels import ROW, Causal
@@ -53,12 +54,14 @@ class CausalModel:
     changes_speed: ClassVar[bool] = True
     longest_run: ClassVar[float] = math.inf
 
+    @on_one_core
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         wheels = self.wheelset.static_receptance().sum(axis=1) + self.wheel_residual
         displacement: Real = (wheels + self.track.symmetric.compliance().mean()) * wheel_load
         return displacement
 
+    @on_one_core
     def start(self, wheel_load: float, step: int, dx: float, speed: float) -> Causal:
         """Dynamics at ``speed`` m/s and in equilibrium with ``wheel_load`` N standing on both wheels at ``step``."""
         poles, dt = self.wheelset.poles, dx / speed
@@ -73,6 +76,7 @@ class CausalModel:
         rail = (even.output[place] @ state).real
         return self._at(wheel, track, np.array([wheels, [rail, rail]]), dx, speed, speed)
 
+    @on_one_core
     def at_speed(self, dynamics: Causal, dx: float, speed: float, behind: float) -> Causal:
         """Dynamics at another ``speed`` m/s, with the state of ``dynamics``.
 

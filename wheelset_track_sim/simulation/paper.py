@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..green.functions import folded, frequency_grid, green_function, integrated
 from ..green.moving import BAYS, moving_green_functions
+from ..one_core import on_one_core
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track
 from .paper_kernels import Paper
@@ -68,6 +69,7 @@ class PaperModel:
     changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
 
+    @on_one_core
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         tables = _tables(self, dx, speed)
@@ -75,6 +77,7 @@ class PaperModel:
         displacement: Real = (self._wheel_static() + rail) * wheel_load
         return displacement
 
+    @on_one_core
     def start(self, wheel_load: float, step: int, dx: float, speed: float) -> Paper:
         """Dynamics after a long run at ``speed`` m/s with the constant force ``wheel_load`` N on both wheels."""
         tables = _tables(self, dx, speed)
