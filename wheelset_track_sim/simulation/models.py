@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Literal
 
+import numpy as np
+
 from .. import __version__
 from ..cache import digest
 from ..contact.law import build_contact_law
@@ -45,9 +47,9 @@ class Models:
     _smooth: ContactLaw | None = field(default=None, repr=False)
 
     def contact_law(self, irregularities: Sequence[Breakout], progress: Progress | None = None) -> ContactLaw:
-        """Contact law of treads with these irregularities."""
+        """Contact law of treads with these irregularities, with a state of its own."""
         if not irregularities and self._smooth is not None:
-            return self._smooth
+            return with_own_state(self._smooth)
         law = build_contact_law(
             irregularities,
             self.geometry,
@@ -58,11 +60,16 @@ class Models:
         )
         if not irregularities:
             self._smooth = law
-        return law
+        return with_own_state(law)
 
     def digest(self, scenario: Scenario) -> str:
         """Digest of a scenario with the content of its models, and of the program's version."""
         return digest([__version__, scenario.to_mapping(), self.wheelset, self.track])
+
+
+def with_own_state(law: ContactLaw) -> ContactLaw:
+    """The same law for another run: what its solutions leave behind is not shared."""
+    return law._replace(in_contact=np.zeros_like(law.in_contact))
 
 
 def described(scenario: Scenario) -> tuple[Wheelset, Track]:
