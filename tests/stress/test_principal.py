@@ -25,3 +25,15 @@ def test_stress_in_a_plane_of_symmetry_is_exact() -> None:
     high, low = 1 + np.sqrt(8), 1 - np.sqrt(8)
     assert np.array_equal(principal(stress), [[5.0, high, low], [high, low, -9.0]])
     assert maximum_principal(stress[0]).shape == ()
+
+
+@given(arrays(np.float64, (7, 2, 6), elements=st.floats(-1e9, 1e9)), st.sets(st.integers(0, 13)))
+def test_maximum_is_the_first_of_the_three_whatever_lies_beside_it(stress: np.ndarray, plane: set[int]) -> None:
+    stress.reshape(-1, 6)[list(plane), 3:5] = 0.0
+    expected = principal(stress)[..., 0]
+    assert np.array_equal(maximum_principal(stress), expected)
+    one_by_one = [[maximum_principal(node) for node in sample] for sample in stress]
+    assert np.array_equal(one_by_one, expected)
+    components_first = np.ascontiguousarray(stress.transpose(1, 2, 0)).transpose(2, 0, 1)
+    assert np.array_equal(maximum_principal(components_first), expected)
+    assert maximum_principal(np.zeros((0, 3, 6))).shape == (0, 3)

@@ -21,9 +21,19 @@ def principal_stresses(stress: np.ndarray, found: np.ndarray) -> None:
 
 @kernel
 def largest_principal_stress(stress: np.ndarray, found: np.ndarray) -> None:
-    """Fill ``found`` (n,) from components ``stress`` (n, 6): xx, yy, zz, xy, xz, yz."""
-    for row in range(len(stress)):
-        found[row] = _roots(stress[row])[0]
+    """Fill ``found`` (m, n) from components ``stress`` (m, 6, n): xx, yy, zz, xy, xz, yz."""
+    for point in range(len(stress)):
+        xx, yy, zz, yz = stress[point, 0], stress[point, 1], stress[point, 2], stress[point, 5]
+        xy, xz = stress[point, 3], stress[point, 4]
+        in_plane = True
+        for i in range(len(xy)):
+            in_plane &= xy[i] == 0.0 and xz[i] == 0.0
+        for i in range(len(xx)):
+            if in_plane:  # the same numbers as from _roots, in vector registers
+                half = 0.5 * (yy[i] - zz[i])
+                found[point, i] = max(xx[i], 0.5 * (yy[i] + zz[i]) + math.sqrt(half * half + yz[i] * yz[i]))
+            else:
+                found[point, i] = _roots(stress[point, :, i])[0]
 
 
 @inner_kernel
@@ -35,7 +45,8 @@ def _roots(stress: np.ndarray) -> tuple[float, float, float]:
     """
     xx, yy, zz, xy, xz, yz = stress[0], stress[1], stress[2], stress[3], stress[4], stress[5]
     if xy == 0.0 and xz == 0.0:
-        centre, radius = 0.5 * (yy + zz), math.hypot(0.5 * (yy - zz), yz)
+        half = 0.5 * (yy - zz)
+        centre, radius = 0.5 * (yy + zz), math.sqrt(half * half + yz * yz)
         high, low = centre + radius, centre - radius
         return max(xx, high), max(min(xx, high), low), min(xx, low)
     mean = (xx + yy + zz) / 3
