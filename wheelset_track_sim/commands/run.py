@@ -50,7 +50,7 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             if writer is not None:
-                writer.write(block)
+                writer.write(block, summary=part)
             progress(f"simulate {what.name}", done / steps)
         wall = time.perf_counter() - started
     assert totals is not None

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from .. import __version__
 from ..errors import InputError, RecordingError
 from ..simulation.block import SampleBlock
+from ..simulation.summary import Summary
 from .definitions import full_name, schema
 from .mcap_file import McapFile
 from .messages import Message, State, chunk_messages, state_message
@@ -78,9 +79,18 @@ class BagWriter:
         if not self._topics:
             self._remove()
 
-    def write(self, block: SampleBlock, *, real_time_factor: float = math.nan, lag: float = 0.0) -> None:
-        """Record one block; raises RecordingError if the disk refuses."""
-        self.write_messages(chunk_messages(block, self.start_ns, real_time_factor=real_time_factor, lag=lag))
+    def write(
+        self,
+        block: SampleBlock,
+        *,
+        real_time_factor: float = math.nan,
+        lag: float = 0.0,
+        summary: Summary | None = None,
+    ) -> None:
+        """Record one block, with its ``summary`` if that is known already; RecordingError if the disk refuses."""
+        self.write_messages(
+            chunk_messages(block, self.start_ns, real_time_factor=real_time_factor, lag=lag, summary=summary)
+        )
 
     def write_state(self, state: State) -> None:
         """Record what is simulated from a step on: at the start, and at every revision."""

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..simulation.block import COMPONENTS, SampleBlock
-from ..simulation.summary import statistics, summarise
-from ..stress.principal import maximum_principal
+from ..simulation.summary import Summary, statistics, summarise
 from .definitions import serialise
 
 FRAME = "track"
@@ -70,18 +69,23 @@ def stress_topic(node: str) -> str:
 
 
 def chunk_messages(
-    block: SampleBlock, start_ns: int, *, real_time_factor: float = math.nan, lag: float = 0.0
+    block: SampleBlock,
+    start_ns: int,
+    *,
+    real_time_factor: float = math.nan,
+    lag: float = 0.0,
+    summary: Summary | None = None,
 ) -> list[Message]:
     """Messages of one chunk: contact forces, one stress for each node, summary.
 
-    ``start_ns`` is the time stamp of step 0, ns. The values are those of the block, bit by bit.
+    ``start_ns`` is the time stamp of step 0, ns; ``summary`` is that of the block if it is known already. The values
+    are those of the block, bit by bit.
     """
     stamp_ns, chunk = _chunk(block, start_ns)
     samples = {**chunk, "decimation": block.decimation}
-    principal = maximum_principal(block.stresses)
     forces = np.ascontiguousarray(block.forces.T)
     stresses = np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
-    largest = np.ascontiguousarray(principal.T)
+    largest = np.ascontiguousarray(block.max_principal.T)
 
     messages = [
         Message("contact_forces", "ContactForces", stamp_ns, {**samples, "wheel_1": forces[0], "wheel_2": forces[1]})
@@ -90,7 +94,7 @@ def chunk_messages(
         fields = {**samples, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
         messages.append(Message(stress_topic(node), "AxleStress", stamp_ns, fields))
 
-    summary = summarise(block, principal)
+    summary = summary or summarise(block)
     fields = {**chunk, "samples": summary.samples, "real_time_factor": real_time_factor, "lag": lag}
     for wheel, load in zip(("wheel_1", "wheel_2"), summary.wheels, strict=True):
         fields |= {f"{wheel}_{name}": value for name, value in vars(load).items()}

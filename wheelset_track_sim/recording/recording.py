@@ -64,7 +64,7 @@ class Recording:
         start, stop, _ = part.indices(len(self))
         cuts = start + 1 + np.flatnonzero(np.diff(self.step_period[start:stop]))
         parts = [slice(int(first), int(end)) for first, end in pairwise([start, *cuts, stop])]
-        return combine(summarise(self._block(part), self.max_principal[part]) for part in parts)
+        return combine(summarise(self._block(part)) for part in parts)
 
     def _block(self, part: slice) -> SampleBlock:
         """Samples at one speed as a block."""

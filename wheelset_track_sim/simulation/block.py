@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..stress.principal import maximum_principal
 from ..structures.reduced_wheelset import COMPONENTS as COMPONENTS
 
 
@@ -45,3 +47,8 @@ class SampleBlock:
 
     def __len__(self) -> int:
         return len(self.forces)
+
+    @cached_property
+    def max_principal(self) -> NDArray[np.float64]:
+        """Maximum principal stress, (samples, nodes), Pa."""
+        return maximum_principal(self.stresses)

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..stress.principal import maximum_principal
 from .block import SampleBlock
 
 
@@ -72,13 +71,8 @@ def statistics(signals: NDArray[np.float64]) -> Statistics:
     )
 
 
-def summarise(block: SampleBlock, principal: NDArray[np.float64] | None = None) -> Summary:
-    """Summary of a block; ``principal`` (samples, nodes) Pa is its maximum principal stress if that is known already.
-
-    Raises ValueError for a block without samples.
-    """
-    if principal is None:
-        principal = maximum_principal(block.stresses)
+def summarise(block: SampleBlock) -> Summary:
+    """Summary of a block; raises ValueError for one without samples."""
     wheel_1, wheel_2 = (
         WheelLoad(
             max_force=float(force.max()),
@@ -91,7 +85,7 @@ def summarise(block: SampleBlock, principal: NDArray[np.float64] | None = None) 
     )
     nodes = tuple(
         NodeStress(name, *map(float, found))
-        for name, *found in zip(block.nodes, *statistics(np.ascontiguousarray(principal.T)), strict=True)
+        for name, *found in zip(block.nodes, *statistics(np.ascontiguousarray(block.max_principal.T)), strict=True)
     )
     return Summary(len(block), (wheel_1, wheel_2), nodes)
 
