@@ -18,3 +18,7 @@ class ContactError(WheelsetTrackError):
 
 class RecordingError(WheelsetTrackError):
     """A bag cannot be written or read."""
+
+
+class DivergenceError(WheelsetTrackError):
+    """Forces, displacements or stresses of a step are not finite."""

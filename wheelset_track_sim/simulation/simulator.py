@@ -15,6 +15,7 @@ from .block import COMPONENTS, SampleBlock
 from .changes import Changes, Condition
 from .changes import Revision as Revision
 from .coupled import Coupled
+from .finite import require_finite
 from .models import Models, load_models
 
 Progress = Callable[[str, float], None]
@@ -144,8 +145,10 @@ class Simulator:
         condition, first, time = self._changes.in_force, self.next_step, self.time
         scenario = condition.scenario
         forces, stress = self._coupled.run(condition, scenario.speed, self._changes.claim(first + steps) - first)
-        stresses = np.zeros((len(forces), len(scenario.output.stress_nodes) * len(COMPONENTS)))
-        stresses[:, self._models.dynamics.stress_rows] = stress
+        require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
+        # In memory one signal after the other, as who takes them in wants them.
+        stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
+        stresses[self._models.dynamics.stress_rows] = stress.T
         return SampleBlock(
             first_step=first,
             time=time,
@@ -154,7 +157,7 @@ class Simulator:
             position=first * scenario.step_length,
             revision=condition.revision.number,
             forces=forces,
-            stresses=stresses.reshape(len(forces), -1, len(COMPONENTS)),
+            stresses=stresses.reshape(len(scenario.output.stress_nodes), len(COMPONENTS), -1).transpose(2, 0, 1),
             nodes=scenario.output.stress_nodes,
         )
 
