@@ -19,6 +19,7 @@ from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..recording.messages import State, chunk_messages, state_message
 from ..recording.origin import state
 from ..simulation.block import SampleBlock
+from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from ..simulation.streaming import Stream, Timing
 from .outputs import Outputs
@@ -42,12 +43,18 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     frees the models and closes the bag. Topics are in ``outputs``, parameters in ``parameters``.
     """
 
-    def __init__(self, end: Callable[[Exception | None], None]) -> None:
-        """``end`` is called when the node is through by itself; raises InputError for parameters it cannot use."""
-        Node.__init__(self, NAME)
+    def __init__(
+        self, end: Callable[[Exception | None], None], name: str = NAME, models: ModelPool | None = None
+    ) -> None:
+        """``end`` is called when the node is through by itself; ``models`` are those of the nodes of one process.
+
+        Raises InputError for parameters it cannot use.
+        """
+        Node.__init__(self, name)
         # Building models takes a while: the services of the lifecycle and of parameters must not queue behind it.
         LifecycleNodeMixin.__init__(self, callback_group=ReentrantCallbackGroup())
         self._end = end
+        self._models = models or ModelPool()
         self._lock = threading.RLock()  # the scenario wanted, and the simulator that has it
         self._transition = threading.Lock()
         self._interrupted = False
@@ -138,7 +145,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 stages.add(stage)
                 self.get_logger().info(stage)
 
-        simulator = Simulator(scenario, progress)
+        simulator = Simulator(scenario, progress, self._models.models(scenario, progress))
         with self._lock:
             if self._scenario != scenario:  # changed while the models were built
                 simulator.apply(self._scenario)

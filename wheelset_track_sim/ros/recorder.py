@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..recording.bag_writer import BagWriter
+from ..recording.bag_writer import PREFIX, BagWriter
 from ..recording.messages import Message
 from ..recording.origin import run_info
 from ..simulation.simulator import Simulator
@@ -30,7 +30,7 @@ class Recorder:
 
     def start(self, folder: str, name: str, simulator: Simulator, start_ns: int) -> None:
         """Open a bag, unless one is open; raises InputError if it exists or cannot be written."""
-        path = Path(folder).expanduser() / (name or time.strftime("run_%Y%m%d_%H%M%S"))
+        path = Path(folder).expanduser() / (name or name_now(self._prefix))
         with self._lock:
             if self._bag is None:
                 self._bag = BagWriter(path, run_info(simulator), start_ns=start_ns, prefix=self._prefix)
@@ -47,3 +47,9 @@ class Recorder:
             bag, self._bag = self._bag, None
             if bag is not None:
                 bag.close()
+
+
+def name_now(node: str) -> str:
+    """Name of a bag by date and time, and by that of the node if it has one of its own: a fleet starts at one time."""
+    own = "" if node == PREFIX else node.replace("/", "_")
+    return time.strftime("run_%Y%m%d_%H%M%S") + own
