@@ -24,6 +24,7 @@ from ..structures.track_ring import MAX_FREQUENCY
 from ..structures.wheelset import Wheelset, load_wheelset
 from ..structures.wheelset_reduction import reduced_wheelset
 from .causal import causal_model, truncated
+from .compilation import compiled_meanwhile
 from .dynamics import DynamicsModel
 from .paper import paper_model
 
@@ -89,6 +90,15 @@ def load_models(
     scenario: Scenario, progress: Progress | None = None, *, tables: bool | Literal["smooth"] = True
 ) -> Models:
     """Models of a scenario, ``tables`` as for ``build_contact_law``; raises InputError for what cannot be used."""
+    if scenario.dynamics == "paper":
+        return _models(scenario, progress, tables)
+    with compiled_meanwhile():
+        models = _models(scenario, progress, tables)
+        models.contact_law((), progress)
+    return models
+
+
+def _models(scenario: Scenario, progress: Progress | None, tables: bool | Literal["smooth"]) -> Models:
     wheelset, track = described(scenario)
     dx = scenario.step_length
     reduced = reduced_wheelset(wheelset, progress=progress)

@@ -1,0 +1,102 @@
+"""The kernels of a run, compiled in a process of their own while this one builds models.
+
+A thread would not do: compiler and building both hold the interpreter lock, and would take turns.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from ..jit import cache_folder
+
+DONE = "compiled"
+"""File in the folder of kernels which says that those of a run are there."""
+
+log = logging.getLogger(__name__)
+
+
+@contextmanager
+def compiled_meanwhile() -> Iterator[None]:
+    """Have the kernels of a run compiled, if they are not yet, beside what is done inside; waits for them in the end.
+
+    On a machine with one core, or should it fail, they are compiled when they are called.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if cores < 2 or (cache_folder() / DONE).exists():
+        yield
+        return
+    process = subprocess.Popen(
+        [sys.executable, "-m", __name__], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield
+    except BaseException:
+        process.terminate()
+        raise
+    finally:
+        if process.wait() != 0:
+            log.debug("kernels were not compiled beforehand: status %d", process.returncode)
+
+
+def compile_kernels() -> None:
+    """Compile the kernels of a run: take a step of a system of two modes, for the compiler looks at types alone."""
+    from ..contact.profiles import ContactGeometry
+    from ..scenario import load_scenario
+    from ..structures.reduced_wheelset import ReducedWheelset
+    from ..structures.track_balance import HalfTrack, MovingTrack
+    from .block import SampleBlock
+    from .causal import causal_model
+    from .changes import Condition, Revision
+    from .coupled import Coupled
+    from .models import Models, described
+    from .summary import summarise
+
+    scenario = load_scenario("undamaged")
+    wheelset, track = described(scenario)
+    nodes = scenario.output.stress_nodes
+    two_modes = ReducedWheelset(
+        poles=np.array([-1 + 50j, -1 + 90j]),
+        inputs=np.ones((2, 2), np.complex128),
+        outputs=np.ones((2, 2), np.complex128),
+        stress_outputs=np.ones((len(nodes), 6, 2), np.complex128),
+        stress_feedthrough=np.ones((len(nodes), 6, 2)),
+        displacement_residual=np.zeros((2, 2)),
+        node_names=nodes,
+        node_positions=np.zeros((len(nodes), 3)),
+        mass=1.0,
+        rolling_radius=0.4,
+    )
+    places = round(track.spacing / scenario.step_length)
+    half = HalfTrack(
+        rate=np.array([[-1.0, 50.0], [-50.0, -1.0]]),
+        rate_of_speed=np.array([[0.0, 1.0], [-1.0, 0.0]]),
+        input=np.ones((places, 2)),
+        output=np.ones((places, 2)),
+        residual=np.zeros(places),
+    )
+    models = Models(
+        wheelset=wheelset,
+        track=track,
+        dynamics=causal_model(two_modes, MovingTrack(half, half), nodes, scenario.at_lag_zero),
+        geometry=ContactGeometry(wheel_radius=two_modes.rolling_radius),
+        step_length=scenario.step_length,
+        steps_per_revolution=1000,
+        tread_origin=0,
+        tables=False,  # their kernel is compiled by who builds them
+    )
+    forces, _ = Coupled(models, 0.0, 0, scenario.speed).run(
+        Condition(Revision(0, 0), scenario, models.contact_law(()), np.zeros(2)), scenario.speed, 1
+    )
+    summarise(SampleBlock(0, 0.0, 1.0, 1.0, 0.0, 0, forces, np.ones((1, len(nodes), 6)), nodes))
+    (cache_folder() / DONE).touch()
+
+
+if __name__ == "__main__":
+    compile_kernels()
