@@ -87,7 +87,7 @@ class ImpactDetector:
         if len(block) == 0:
             return []
         over: list[_Open] = []
-        for wheel, force in enumerate(block.forces.T):  # one at a time: NumPy reduces pairs fifty times slower
+        for wheel, force in enumerate(block.forces.T):  # one at a time: NumPy is slow along rows of two
             if force.min() <= 0:
                 steps = block.first_step + np.flatnonzero(force <= 0)
                 self._losses[wheel].add(steps, block.step_period, block.first_step - self._turn)

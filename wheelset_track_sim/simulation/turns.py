@@ -1,0 +1,62 @@
+"""Peaks of each turn of the wheels: what a detector beside the track would see of the wheel's whole circumference."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .block import SampleBlock
+
+
+@dataclass(frozen=True)
+class TurnPeaks:
+    """Largest values of the last complete turn."""
+
+    turns: int
+    """Complete turns since step 0."""
+    forces: tuple[float, float]
+    """Largest contact force of wheel 1 and wheel 2, N; NaN before the first turn is complete."""
+    principal: tuple[float, ...]
+    """Largest maximum principal stress of each node, Pa; NaN likewise."""
+
+
+class TurnWatch:
+    """Peaks by turns in a stream of gap-free blocks at full rate: the same ones however the stream is cut.
+
+    Turn ``k`` has the steps from ``k`` to before ``k + 1`` times the steps in a turn; a stream that begins within a
+    turn has its first complete one behind it.
+    """
+
+    def __init__(self, steps_per_revolution: int, nodes: int) -> None:
+        """For ``nodes`` stress nodes."""
+        self._turn = steps_per_revolution
+        self._nothing = [-math.inf] * (2 + nodes)
+        self._begun: list[float] | None = None
+        self.last = _peaks(0, [math.nan] * (2 + nodes))
+        """The last complete turn."""
+
+    def push(self, block: SampleBlock) -> list[TurnPeaks]:
+        """Turns that a block completes; raises ValueError for a decimated block."""
+        if block.decimation != 1:
+            raise ValueError(f"peaks are found in every step, not in each {block.decimation}th")
+        found: list[TurnPeaks] = []
+        row = 0
+        while row < len(block):
+            step = block.first_step + row
+            left = self._turn - step % self._turn
+            if left == self._turn:
+                self._begun = self._nothing
+            part = slice(row, row + left)
+            if self._begun is not None:
+                signals = (*block.forces[part].T, *block.max_principal[part].T)
+                self._begun = [max(peak, float(now.max())) for peak, now in zip(self._begun, signals, strict=True)]
+                if row + left <= len(block):
+                    self.last = _peaks(step // self._turn + 1, self._begun)
+                    found.append(self.last)
+            row += left
+        return found
+
+
+def _peaks(turns: int, peaks: list[float]) -> TurnPeaks:
+    wheel_1, wheel_2, *nodes = peaks
+    return TurnPeaks(turns, (wheel_1, wheel_2), tuple(nodes))
