@@ -26,10 +26,10 @@ def cut(block, borders):
 
 
 def test_nothing_is_known_before_the_first_turn(make_block):
-    watch = TurnWatch(TURN, 3)
+    watch = TurnWatch(TURN)
     assert watch.push(make_block(0, TURN - 1)) == []
     assert watch.last.turns == 0
-    assert all(map(math.isnan, (*watch.last.forces, *watch.last.principal)))
+    assert all(map(math.isnan, watch.last.forces))
     (found,) = watch.push(make_block(TURN - 1, 1))
     assert found == watch.last
     assert found.turns == 1
@@ -39,7 +39,7 @@ def test_nothing_is_known_before_the_first_turn(make_block):
 @given(st.integers(0, 250), st.integers(1, 900), st.lists(st.integers(1, 899), max_size=30))
 def test_peaks_are_those_of_whole_turns_for_any_cut(make_block, first, samples, borders):
     whole = make_block(first, samples)
-    watch = TurnWatch(TURN, 3)
+    watch = TurnWatch(TURN)
     pieces = cut(whole, sorted(border for border in borders if border < samples))
     found = [peaks for piece in pieces for peaks in watch.push(piece)]
     starts = [step for step in range(0, first + samples, TURN) if first <= step <= first + samples - TURN]
@@ -52,11 +52,11 @@ def test_peaks_are_those_of_whole_turns_for_any_cut(make_block, first, samples, 
 
 def test_decimated_blocks_are_refused(make_block):
     with pytest.raises(ValueError, match="each 4th"):
-        TurnWatch(TURN, 3).push(dataclasses.replace(make_block(0, 10), decimation=4))
+        TurnWatch(TURN).push(dataclasses.replace(make_block(0, 10), decimation=4))
 
 
 def test_a_damaged_wheel_has_its_peak_in_each_turn(damaged):
-    watch = TurnWatch(damaged.steps_per_revolution, 3)
+    watch = TurnWatch(damaged.steps_per_revolution)
     forces = []
     for _ in range(5):
         block = damaged.advance(damaged.steps_per_revolution // 2)

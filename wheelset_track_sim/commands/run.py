@@ -19,6 +19,7 @@ from ..recording.origin import run_info, state
 from ..scenario import WHEELS, load_scenario
 from ..simulation.simulator import Simulator
 from ..simulation.summary import Summary, combine, summarise
+from ..simulation.watch import Watch
 from .progress import shown
 
 CHUNK = 1389
@@ -41,6 +42,7 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
             writer = stack.enter_context(BagWriter(out, run_info(simulator), start_ns=0))
             writer.write_state(state(simulator))
         steps = simulator.steps_per_revolution if duration is None else max(1, round(duration / what.step_period))
+        watch = Watch(simulator)
         started = time.perf_counter()
         totals: Summary | None = None
         done = 0
@@ -50,8 +52,11 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             if writer is not None:
-                writer.write(block, summary=part)
+                seen = watch.push(block)
+                writer.write(block, summary=part, turn=seen.turn, impacts=seen.impacts)
             progress(f"simulate {what.name}", done / steps)
+        if writer is not None:
+            writer.write_impacts(watch.finish())
         wall = time.perf_counter() - started
     assert totals is not None
     result = as_mapping(totals, steps * what.step_period, wall)

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 from .. import __version__
 from ..errors import InputError, RecordingError
 from ..simulation.block import SampleBlock
+from ..simulation.impacts import Impact
 from ..simulation.summary import Summary
+from ..simulation.turns import NO_TURN, TurnPeaks
 from .definitions import full_name, schema
 from .mcap_file import McapFile
-from .messages import Message, State, chunk_messages, state_message
+from .messages import Message, State, chunk_messages, impact_message, state_message
 from .rosbag2_metadata import LATCHED_TOPICS, Topic, channel_metadata, write_folder_metadata
 from .run_info import METADATA_NAME, RunInfo
 
@@ -86,11 +88,22 @@ class BagWriter:
         real_time_factor: float = math.nan,
         lag: float = 0.0,
         summary: Summary | None = None,
+        turn: TurnPeaks = NO_TURN,
+        impacts: Iterable[Impact] = (),
     ) -> None:
-        """Record one block, with its ``summary`` if that is known already; RecordingError if the disk refuses."""
-        self.write_messages(
-            chunk_messages(block, self.start_ns, real_time_factor=real_time_factor, lag=lag, summary=summary)
+        """Record one block with the ``impacts`` that were over in it; RecordingError if the disk refuses.
+
+        ``summary`` is that of the block if it is known already, ``turn`` the last complete turn of the wheels.
+        """
+        messages = chunk_messages(
+            block, self.start_ns, real_time_factor=real_time_factor, lag=lag, summary=summary, turn=turn
         )
+        self.write_messages(messages)
+        self.write_impacts(impacts)
+
+    def write_impacts(self, impacts: Iterable[Impact]) -> None:
+        """Record impacts; RecordingError if the disk refuses."""
+        self.write_messages(impact_message(impact, self.start_ns) for impact in impacts)
 
     def write_state(self, state: State) -> None:
         """Record what is simulated from a step on: at the start, and at every revision."""

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..simulation.block import COMPONENTS, SampleBlock
+from ..simulation.impacts import Impact
 from ..simulation.summary import Summary, statistics, summarise
+from ..simulation.turns import NO_TURN, TurnPeaks
 from .definitions import serialise
 
 FRAME = "track"
@@ -75,11 +77,12 @@ def chunk_messages(
     real_time_factor: float = math.nan,
     lag: float = 0.0,
     summary: Summary | None = None,
+    turn: TurnPeaks = NO_TURN,
 ) -> list[Message]:
     """Messages of one chunk: contact forces, one stress for each node, summary.
 
-    ``start_ns`` is the time stamp of step 0, ns; ``summary`` is that of the block if it is known already. The values
-    are those of the block, bit by bit.
+    ``start_ns`` is the time stamp of step 0, ns; ``summary`` is that of the block if it is known already, ``turn`` the
+    last complete turn of the wheels. The values are those of the block, bit by bit.
     """
     stamp_ns, chunk = _chunk(block, start_ns)
     samples = {**chunk, "decimation": block.decimation}
@@ -105,7 +108,16 @@ def chunk_messages(
     fields["max_principal_rms"] = np.array([node.rms_principal for node in summary.nodes])
     components = statistics(stresses.reshape(-1, len(block)))
     fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
+    fields |= {"turns": turn.turns, "turn_max_principal": np.array(turn.principal or [math.nan] * len(block.nodes))}
+    fields["wheel_1_turn_max_force"], fields["wheel_2_turn_max_force"] = turn.forces
     return [*messages, Message("summary", "LoadSummary", stamp_ns, fields)]
+
+
+def impact_message(impact: Impact, start_ns: int) -> Message:
+    """Message of an impact; ``start_ns`` is the time stamp of step 0, ns."""
+    stamp_ns, header = _header(impact.time, start_ns)
+    fields = {**vars(impact), "wheel": impact.wheel + 1, "dynamic_factor": impact.dynamic_factor, "header": header}
+    return Message("impacts", "WheelImpact", stamp_ns, fields)
 
 
 def state_message(state: State, start_ns: int) -> Message:
@@ -147,10 +159,9 @@ def start_of(message: Any) -> int:
 
 def _chunk(of: SampleBlock | State, start_ns: int) -> tuple[int, dict[str, Any]]:
     """Time stamp, ns, and the fields that every chunk carries."""
-    stamp_ns = start_ns + round(of.time / NANOSECOND)
-    seconds, nanoseconds = divmod(stamp_ns, 10**9)
+    stamp_ns, header = _header(of.time, start_ns)
     return stamp_ns, {
-        "header": {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": FRAME},
+        "header": header,
         "first_step": of.first_step,
         "time": of.time,
         "step_period": of.step_period,
@@ -158,3 +169,10 @@ def _chunk(of: SampleBlock | State, start_ns: int) -> tuple[int, dict[str, Any]]
         "position": of.position,
         "revision": of.revision,
     }
+
+
+def _header(time: float, start_ns: int) -> tuple[int, dict[str, Any]]:
+    """Time stamp, ns, and header of a message at a simulated time, s."""
+    stamp_ns = start_ns + round(time / NANOSECOND)
+    seconds, nanoseconds = divmod(stamp_ns, 10**9)
+    return stamp_ns, {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": FRAME}

@@ -20,8 +20,8 @@ from .block import SampleBlock
 class ImpactSettings:
     """What makes an impact."""
 
-    threshold: float = quantity("N", 1e3, 5e6, "the contact force that makes an impact", default=350e3)
-    """The default is the alarm limit of wayside detectors in Sweden; ``docs/monitoring.md`` has the source."""
+    threshold: float = quantity("N", 1e3, 5e6, "the contact force that makes an impact", default=200e3)
+    """The default is twice the static load of the shipped scenarios; ``docs/monitoring.md`` has limits in use."""
     separation: float = quantity(
         "m", 0.001, 2.0, "the distance without a force above the threshold that ends an impact", default=0.1
     )

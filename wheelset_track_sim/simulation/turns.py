@@ -17,7 +17,11 @@ class TurnPeaks:
     forces: tuple[float, float]
     """Largest contact force of wheel 1 and wheel 2, N; NaN before the first turn is complete."""
     principal: tuple[float, ...]
-    """Largest maximum principal stress of each node, Pa; NaN likewise."""
+    """Largest maximum principal stress of each node, Pa; empty likewise."""
+
+
+NO_TURN = TurnPeaks(0, (math.nan, math.nan), ())
+"""Before the first turn is complete."""
 
 
 class TurnWatch:
@@ -27,12 +31,11 @@ class TurnWatch:
     turn has its first complete one behind it.
     """
 
-    def __init__(self, steps_per_revolution: int, nodes: int) -> None:
-        """For ``nodes`` stress nodes."""
+    def __init__(self, steps_per_revolution: int) -> None:
+        """For wheels of ``steps_per_revolution`` steps."""
         self._turn = steps_per_revolution
-        self._nothing = [-math.inf] * (2 + nodes)
         self._begun: list[float] | None = None
-        self.last = _peaks(0, [math.nan] * (2 + nodes))
+        self.last = NO_TURN
         """The last complete turn."""
 
     def push(self, block: SampleBlock) -> list[TurnPeaks]:
@@ -45,18 +48,14 @@ class TurnWatch:
             step = block.first_step + row
             left = self._turn - step % self._turn
             if left == self._turn:
-                self._begun = self._nothing
+                self._begun = [-math.inf] * (2 + len(block.nodes))
             part = slice(row, row + left)
             if self._begun is not None:
                 signals = (*block.forces[part].T, *block.max_principal[part].T)
                 self._begun = [max(peak, float(now.max())) for peak, now in zip(self._begun, signals, strict=True)]
                 if row + left <= len(block):
-                    self.last = _peaks(step // self._turn + 1, self._begun)
+                    wheel_1, wheel_2, *nodes = self._begun
+                    self.last = TurnPeaks(step // self._turn + 1, (wheel_1, wheel_2), tuple(nodes))
                     found.append(self.last)
             row += left
         return found
-
-
-def _peaks(turns: int, peaks: list[float]) -> TurnPeaks:
-    wheel_1, wheel_2, *nodes = peaks
-    return TurnPeaks(turns, (wheel_1, wheel_2), tuple(nodes))
