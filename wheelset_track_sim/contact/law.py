@@ -30,6 +30,10 @@ ELEMENT_WIDTH = 0.75e-3
 the patch is 8 by 6 mm; with a width of 1 mm it is not."""
 
 
+TABLE_FORCE = 400e3
+"""Largest force in the tables, N, beyond that of most impacts: the work of a table grows with the square of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class ContactPatch:
     """Solution of one normal contact."""
@@ -75,10 +79,10 @@ def build_contact_law(
 ) -> ContactLaw:
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
 
-    ``tables`` says whether the force-approach curves up to ``largest_force`` (N) are worked out beforehand, for every
-    tread position at which an irregularity can bear; without them, and above that force, the active set is solved in
-    every step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest.
-    ``progress`` is told the share done.
+    The area holds every contact up to ``largest_force``, N. ``tables`` says whether the force-approach curves up to
+    ``TABLE_FORCE`` are worked out beforehand, for every tread position at which an irregularity can bear; without them,
+    and above that force, the active set is solved in every step. With ``"smooth"`` only the smooth tread has its
+    curve: for few passages of a defect that is the fastest. ``progress`` is told the share done.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     for name, value, low, high in (
@@ -110,11 +114,12 @@ def build_contact_law(
     table = np.full((2, n_c), -1, np.int32)
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
     if tables:
-        placed = windows(tread, separation, smooth_reach)
+        table_force = min(largest_force, TABLE_FORCE)
+        placed = windows(tread, separation, sharper.approach(table_force))
         heights, number = placed.heights, placed.number
         if tables == "smooth":
             heights, number = heights[:1], np.where(number > 0, np.int32(-1), number)
-        stored = force_tables(heights, separation, influence, dx * dy, largest_force, progress)
+        stored = force_tables(heights, separation, influence, dx * dy, table_force, progress)
         table, first, points = number, stored.first, stored.points
     return ContactLaw(
         tread=tread,

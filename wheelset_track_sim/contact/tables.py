@@ -104,6 +104,33 @@ def force_path(
     )
 
 
+class _Recent:
+    """The latest curves of this process: where one of several defects changes, those of the others serve again."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._curves: dict[bytes, NDArray[np.float64]] = {}
+
+    def curve(
+        self, separation: NDArray[np.float64], influence: NDArray[np.float64], element_area: float, largest_force: float
+    ) -> NDArray[np.float64]:
+        contents = hashlib.blake2b(repr((separation.shape, element_area, largest_force)).encode(), digest_size=16)
+        for array in (separation, influence):
+            contents.update(np.ascontiguousarray(array))
+        key = contents.digest()
+        found = self._curves.pop(key, None)
+        if found is None:
+            mirrored = bool((separation == separation[:, ::-1]).all())
+            found = force_path(separation, mirrored, influence, element_area, largest_force)
+        self._curves[key] = found  # at the end: the latest
+        while len(self._curves) > self._most:
+            self._curves.pop(next(iter(self._curves)), None)
+        return found
+
+
+_RECENT = _Recent(1024)
+
+
 def force_tables(
     heights: list[NDArray[np.float64]],
     separation: NDArray[np.float64],
@@ -120,11 +147,9 @@ def force_tables(
     def build() -> ForceTables:
         curves = []
         for number, window in enumerate(heights):
-            mirrored = bool((window == window[:, ::-1]).all())
-            curve = force_path(separation - window, mirrored, influence, element_area, largest_force)
-            if not np.isfinite(curve).all() or (np.diff(curve, axis=0) <= 0.0).any():
+            curves.append(_RECENT.curve(separation - window, influence, element_area, largest_force))
+            if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
                 raise ContactError(f"force table {number} of {len(heights)} is not finite and rising")
-            curves.append(curve)
             if progress is not None:
                 progress((number + 1) / len(heights))
         first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
