@@ -116,7 +116,7 @@ class _Recent:
     ) -> NDArray[np.float64]:
         contents = hashlib.blake2b(repr((separation.shape, element_area, largest_force)).encode(), digest_size=16)
         for array in (separation, influence):
-            contents.update(np.ascontiguousarray(array))
+            contents.update(np.ascontiguousarray(array).tobytes())
         key = contents.digest()
         found = self._curves.pop(key, None)
         if found is None:
