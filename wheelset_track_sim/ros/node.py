@@ -15,7 +15,7 @@ from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallba
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ..errors import InputError, RecordingError, WheelsetTrackError
+from ..errors import RecordingError, WheelsetTrackError
 from ..recording.messages import State, chunk_messages, state_message
 from ..recording.origin import state
 from ..simulation.block import SampleBlock
@@ -249,7 +249,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 if scenario != self._scenario and self._simulator is not None:
                     revision = self._simulator.apply(scenario)
                     self.get_logger().info(f"revision {revision.number} from step {revision.step}")
-            except InputError as refusal:
+            except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
                 return SetParametersResult(successful=False, reason=str(refusal))
             self._scenario = scenario
             self._outputs.decimation = self.parameters.decimation(changes)
