@@ -193,3 +193,14 @@ def test_state_does_not_grow(make_block):
         )
         sizes.append((len(thin._spans), thin._filter._sums.size))
     assert max(sizes) == sizes[len(sizes) // 2]
+
+
+def test_signals_do_not_depend_on_each_other(make_block):
+    whole = make_block(0, 3000)
+    forces_alone = dataclasses.replace(whole, stresses=whole.stresses[:, :0], nodes=())
+    with_zeros = dataclasses.replace(whole, stresses=np.zeros_like(whole.stresses))
+    for other in (forces_alone, with_zeros):
+        for block, expected in zip(decimated([other], 12), decimated([whole], 12), strict=True):
+            np.testing.assert_array_equal(block.forces, expected.forces)
+            assert block.stresses.shape == (len(expected), len(other.nodes), 6)
+            assert not block.stresses.any()

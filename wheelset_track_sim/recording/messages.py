@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..simulation.block import COMPONENTS, SampleBlock
 from ..simulation.impacts import Impact
@@ -85,18 +86,6 @@ def chunk_messages(
     last complete turn of the wheels. The values are those of the block, bit by bit.
     """
     stamp_ns, chunk = _chunk(block, start_ns)
-    samples = {**chunk, "decimation": block.decimation}
-    forces = np.ascontiguousarray(block.forces.T)
-    stresses = np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
-    largest = np.ascontiguousarray(block.max_principal.T)
-
-    messages = [
-        Message("contact_forces", "ContactForces", stamp_ns, {**samples, "wheel_1": forces[0], "wheel_2": forces[1]})
-    ]
-    for node, stress, maximum in zip(block.nodes, stresses, largest, strict=True):
-        fields = {**samples, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
-        messages.append(Message(stress_topic(node), "AxleStress", stamp_ns, fields))
-
     summary = summary or summarise(block)
     fields = {**chunk, "samples": summary.samples, "real_time_factor": real_time_factor, "lag": lag}
     for wheel, load in zip(("wheel_1", "wheel_2"), summary.wheels, strict=True):
@@ -106,11 +95,26 @@ def chunk_messages(
     fields["max_principal_min"] = np.array([node.min_principal for node in summary.nodes])
     fields["max_principal_mean"] = np.array([node.mean_principal for node in summary.nodes])
     fields["max_principal_rms"] = np.array([node.rms_principal for node in summary.nodes])
-    components = statistics(stresses.reshape(-1, len(block)))
+    components = statistics(_by_component(block).reshape(-1, len(block)))
     fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
     fields |= {"turns": turn.turns, "turn_max_principal": np.array(turn.principal or [math.nan] * len(block.nodes))}
     fields["wheel_1_turn_max_force"], fields["wheel_2_turn_max_force"] = turn.forces
-    return [*messages, Message("summary", "LoadSummary", stamp_ns, fields)]
+    return [*sample_messages(block, start_ns), Message("summary", "LoadSummary", stamp_ns, fields)]
+
+
+def sample_messages(block: SampleBlock, start_ns: int) -> list[Message]:
+    """Messages of the samples of a block, which may be decimated: contact forces, one stress for each node."""
+    stamp_ns, chunk = _chunk(block, start_ns)
+    chunk["decimation"] = block.decimation
+    forces = np.ascontiguousarray(block.forces.T)
+    largest = np.ascontiguousarray(block.max_principal.T)
+    messages = [
+        Message("contact_forces", "ContactForces", stamp_ns, {**chunk, "wheel_1": forces[0], "wheel_2": forces[1]})
+    ]
+    for node, stress, maximum in zip(block.nodes, _by_component(block), largest, strict=True):
+        fields = {**chunk, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
+        messages.append(Message(stress_topic(node), "AxleStress", stamp_ns, fields))
+    return messages
 
 
 def impact_message(impact: Impact, start_ns: int) -> Message:
@@ -155,6 +159,11 @@ def start_of(message: Any) -> int:
     """Time stamp of step 0, ns, from any deserialised message of a run."""
     stamp, since = message.header.stamp, round(float(message.time) / NANOSECOND)
     return int(stamp.sec) * 10**9 + int(stamp.nanosec) - since
+
+
+def _by_component(block: SampleBlock) -> NDArray[np.float64]:
+    """Stresses (nodes, 6, samples)."""
+    return np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
 
 
 def _chunk(of: SampleBlock | State, start_ns: int) -> tuple[int, dict[str, Any]]:

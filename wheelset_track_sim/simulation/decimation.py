@@ -86,25 +86,26 @@ class Decimator:
         if self._last is None:
             self._sums = np.zeros((samples.shape[1], 0))
             self._step -= self._half
-            self._add(np.repeat(samples[:1], self._half, axis=0))
-        self._last = samples[-1:].copy()
-        return self._add(np.ascontiguousarray(samples))
+            self._add(np.repeat(samples[:1].T, self._half, axis=1))
+        self._last = samples[-1:].T.copy()
+        return self._add(np.ascontiguousarray(samples.T))
 
     def finish(self) -> Real:
         """The samples up to the last step that went in; the decimator is used up."""
         if self._last is None:
             return np.zeros((0, 0))
-        return self._add(np.repeat(self._last, self._half, axis=0))
+        return self._add(np.repeat(self._last, self._half, axis=1))
 
-    def _add(self, rows: Real) -> Real:
-        end = self._step + len(rows)
+    def _add(self, samples: Real) -> Real:
+        """Samples (signals, n) in, those that are complete (outputs, signals) out."""
+        end = self._step + samples.shape[1]
         latest = (end - 1) // self._factor
-        sums = np.zeros((rows.shape[1], max(0, latest + REACH + 1 - self._number)))
+        sums = np.zeros((len(samples), max(0, latest + REACH + 1 - self._number)))
         sums[:, : self._sums.shape[1]] = self._sums
-        accumulate(sums, self._number, self._step, self._weights, rows)
+        accumulate(sums, self._number, self._step, self._weights, samples)
         complete = max(0, latest - REACH + 1 - self._number)
         self._step, self._number, self._sums = end, self._number + complete, sums[:, complete:]
-        return np.ascontiguousarray(sums[:, :complete].T)
+        return sums[:, :complete].T
 
 
 class BlockDecimator:
@@ -128,8 +129,8 @@ class BlockDecimator:
             raise ValueError(f"step {block.first_step} does not follow step {self._spans[-1][1] - 1}")
         self._remember(block)
         first = self._filter.next_step
-        signals = np.column_stack([block.forces, block.stresses.reshape(len(block), -1)])
-        return self._labelled(first, self._filter.push(signals))
+        stresses = np.moveaxis(block.stresses, 0, -1).reshape(-1, len(block))
+        return self._labelled(first, self._filter.push(np.concatenate([block.forces.T, stresses]).T))
 
     def finish(self) -> list[SampleBlock]:
         """What is left up to the last step; the next block may begin anywhere."""
@@ -186,6 +187,6 @@ def _block(span: SampleBlock, step: int, samples: Real, factor: int) -> SampleBl
         step_period=factor * span.step_period,
         position=span.position + since * span.speed,
         forces=samples[:, :2].copy(),
-        stresses=samples[:, 2:].reshape(len(samples), len(span.nodes), len(COMPONENTS)).copy(),
+        stresses=np.moveaxis(samples.T[2:].reshape(len(span.nodes), len(COMPONENTS), len(samples)).copy(), -1, 0),
         decimation=factor,
     )
