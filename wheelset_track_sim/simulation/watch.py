@@ -18,6 +18,8 @@ class Seen:
     """Those that are over, in the order in which they ended."""
     turn: TurnPeaks
     """The last complete turn of the wheels."""
+    turns: tuple[TurnPeaks, ...] = ()
+    """Those that were completed in the block."""
 
 
 class Watch:
@@ -32,8 +34,8 @@ class Watch:
     def push(self, block: SampleBlock) -> Seen:
         """What the latest block of the simulator brings."""
         impacts = self.detector.push(block, self._simulator.in_force.wheel_load)
-        self._turns.push(block)
-        return Seen(impacts, self._turns.last)
+        turns = tuple(self._turns.push(block))
+        return Seen(impacts, self._turns.last, turns)
 
     def finish(self) -> list[Impact]:
         """Impacts that are not over at the end of the run, as they stand."""

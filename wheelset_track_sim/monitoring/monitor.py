@@ -1,0 +1,155 @@
+"""What is told of a run while it streams: the worst since the last report, at least of a whole turn of the wheels."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from ..scenario import WHEELS
+from ..simulation.block import SampleBlock
+from ..simulation.streaming import Timing
+from ..simulation.summary import Summary
+from ..simulation.turns import NO_TURN
+from ..simulation.watch import Seen
+from .limits import Limits
+from .status import (
+    Level,
+    PaceFigures,
+    Status,
+    WheelFigures,
+    lag_level,
+    pace_status,
+    stress_level,
+    stress_status,
+    wheel_level,
+    wheel_status,
+)
+
+
+@dataclass
+class _Window:
+    """The worst since the last report."""
+
+    forces: list[float]
+    losses: list[float]
+    stresses: list[float]
+    lag: float = 0.0
+    simulated: float = 0.0
+    elapsed: float = 0.0
+
+
+class Monitor:
+    """Levels of both wheels, of all stress nodes and of the pace; ``push`` and ``report`` may be in two threads.
+
+    A peak stays until a whole report period and a whole turn of the wheels have passed without it.
+    """
+
+    def __init__(
+        self, nodes: Sequence[str], threshold: float, limits: Limits, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """For stress ``nodes``; ``threshold`` is the force that makes an impact, N."""
+        self.limits, self.threshold = limits, threshold
+        """May change while the run goes on."""
+        self.wanted = 0.0
+        """Real time factor that is wanted; 0 is as fast as possible."""
+        self._nodes = tuple(nodes)
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._turn = NO_TURN
+        self._impacts = [0, 0]
+        self._static = math.nan
+        self._window = self._empty()
+        self._seen_at = clock()
+        self._levels: list[Level] = []
+        self._last: list[Status] = []
+
+    def push(self, block: SampleBlock, summary: Summary, seen: Seen, timing: Timing, static_force: float) -> bool:
+        """Take in a block; whether something is worse now than it was last reported.
+
+        ``static_force`` is that of each wheel, N.
+        """
+        with self._lock:
+            window, self._turn, self._static = self._window, seen.turn, static_force
+            for wheel, load in enumerate(summary.wheels):
+                window.forces[wheel] = max(window.forces[wheel], load.max_force)
+                window.losses[wheel] += load.contact_loss
+            for number, node in enumerate(summary.nodes):
+                window.stresses[number] = max(window.stresses[number], node.max_principal)
+            for impact in seen.impacts:
+                self._impacts[impact.wheel] += 1
+            window.lag = max(window.lag, timing.lag)
+            window.simulated += len(block) * block.step_period
+            window.elapsed += len(block) * block.step_period / timing.real_time_factor
+            self._seen_at = self._clock()
+            levels = self._levels_now()
+            return not self._levels or any(now > told for now, told in zip(levels, self._levels, strict=True))
+
+    def report(self) -> list[Status]:
+        """Wheels, stress nodes and pace; begins a new period, unless there was no sample since the last report."""
+        with self._lock:
+            if self._window.simulated > 0:
+                self._levels, self._last = self._levels_now(), self._statuses()
+                self._window = self._empty()
+            silence = self._clock() - self._seen_at
+            if silence <= self.limits.stale_after and self._last:
+                return self._last
+            told = f"no sample for {silence:.0f} s" if silence > self.limits.stale_after else "no sample yet"
+            return self._stale(told)
+
+    def stale(self, why: str) -> list[Status]:
+        """All stale for a reason, such as a run that is paused."""
+        with self._lock:
+            return self._stale(why)
+
+    def _empty(self) -> _Window:
+        return _Window([-math.inf] * 2, [0.0] * 2, [-math.inf] * len(self._nodes))
+
+    def _peaks(self) -> tuple[list[float], list[float]]:
+        """Forces of the wheels, N, and stresses at the nodes, Pa."""
+        if self._turn.turns == 0:
+            return self._window.forces, self._window.stresses
+        forces = [max(pair) for pair in zip(self._window.forces, self._turn.forces, strict=True)]
+        return forces, [max(pair) for pair in zip(self._window.stresses, self._turn.principal, strict=True)]
+
+    def _pace(self) -> PaceFigures:
+        window = self._window
+        return PaceFigures(window.simulated / window.elapsed, self.wanted, window.lag)
+
+    def _levels_now(self) -> list[Level]:
+        """Levels of forces, stresses and lag; the real time factor of less than a whole period says nothing."""
+        forces, stresses = self._peaks()
+        return [
+            *(wheel_level(force, self.threshold, self.limits) for force in forces),
+            *(stress_level(stress, self.limits) for stress in stresses),
+            lag_level(self._window.lag, self.limits),
+        ]
+
+    def _statuses(self) -> list[Status]:
+        forces, stresses = self._peaks()
+        turn = self._turn.principal or (math.nan,) * len(self._nodes)
+        wheels = [
+            wheel_status(
+                name,
+                WheelFigures(
+                    peak_force=forces[wheel],
+                    turn_peak_force=self._turn.forces[wheel],
+                    static_force=self._static,
+                    contact_loss=self._window.losses[wheel],
+                    impacts=self._impacts[wheel],
+                    threshold=self.threshold,
+                ),
+                self.limits,
+            )
+            for wheel, name in enumerate(WHEELS)
+        ]
+        nodes = [stress_status(*of, self.limits) for of in zip(self._nodes, stresses, turn, strict=True)]
+        return [*wheels, *nodes, pace_status(self._pace(), self.limits)]
+
+    def _stale(self, why: str) -> list[Status]:
+        names = [*WHEELS, *(f"stress {node}" for node in self._nodes), "pacing"]
+        known = {status.name: status for status in self._last}
+        blank = Status("", Level.STALE, why)
+        return [replace(known.get(name, blank), name=name, level=Level.STALE, message=why) for name in names]
