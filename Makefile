@@ -2,13 +2,14 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check lint validation clean distclean
+.PHONY: help setup demo test check lint validation bench clean distclean
 
 help:
 	@echo "make demo    set up all that is missing, simulate the damaged wheel, show picture and table"
 	@echo "make test    set up all that is missing, run all tests"
 	@echo "make check   lint, types and the fast tests"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
+	@echo "make bench   measure speed and memory, print tables, rewrite docs/performance.md: half an hour"
 	@echo "make setup   set up only: .venv with ROS 2 Jazzy, messages and package"
 	@echo "make clean   remove build products; make distclean removes .venv too"
 
@@ -28,6 +29,13 @@ check: lint
 validation:
 	@$(PYTHON) tools/setup_env.py test
 	$(BIN)/python -m tools.validation
+
+bench:
+	@$(PYTHON) tools/setup_env.py test bench
+	@mkdir -p results
+	$(BIN)/python -m pytest benchmarks -o python_files='bench_*.py' --benchmark-columns=min,median,rounds \
+		--benchmark-json=results/benchmarks.json -q $(ARGS)
+	$(BIN)/python -m benchmarks.page
 
 lint:
 	@$(PYTHON) tools/setup_env.py test dev

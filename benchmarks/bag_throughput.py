@@ -4,6 +4,8 @@ The signals are smooth sums of sines with all eighteen stress components busy, a
 steps. Times are those of the processor, so that other programs on the machine do not count.
 """
 
+from __future__ import annotations
+
 import sys
 import tempfile
 import time
@@ -17,7 +19,7 @@ from wheelset_track_sim.simulation.block import SampleBlock
 DX, CHUNK = 1e-3, 0.05
 
 
-def run(seconds: float, speed: float) -> list[SampleBlock]:
+def signals(seconds: float, speed: float) -> list[SampleBlock]:
     """Blocks of 50 ms at a speed in m/s."""
     rng = np.random.default_rng(1)
     dt = DX / speed
@@ -34,10 +36,9 @@ def run(seconds: float, speed: float) -> list[SampleBlock]:
     return made
 
 
-def main(seconds: float = 20.0, kmh: float = 100.0) -> None:
-    """Write, read, print."""
-    made = run(seconds, kmh / 3.6)
-    numbers = sum(block.forces.nbytes + block.stresses.nbytes for block in made)
+def bag_throughput(seconds: float = 20.0, kmh: float = 100.0) -> dict[str, float]:
+    """Real-time factors of writing and reading, and the size of the bag, bytes."""
+    made = signals(seconds, kmh / 3.6)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
         with BagWriter(path, RunInfo("benchmark", "", "", 0.6), start_ns=0) as bag:
@@ -51,10 +52,12 @@ def main(seconds: float = 20.0, kmh: float = 100.0) -> None:
         start = time.process_time()
         count = sum(len(block) for block in blocks(path))
         read = time.process_time() - start
-    print(f"{seconds:g} s at {kmh:g} km/h: {count} steps, {numbers / 1e6:.0f} MB of numbers, bag {size / 1e6:.0f} MB")
-    print(f"write {seconds / written:.0f} x real time, {size / written / 1e6:.0f} MB/s of bag")
-    print(f"read  {seconds / read:.0f} x real time, {size / read / 1e6:.0f} MB/s of bag")
+    assert count == sum(map(len, made))
+    numbers = sum(block.forces.nbytes + block.stresses.nbytes for block in made)
+    return {"write": seconds / written, "read": seconds / read, "bytes": size, "bytes_of_numbers": numbers}
 
 
 if __name__ == "__main__":
-    main(*map(float, sys.argv[1:]))
+    found = bag_throughput(*map(float, sys.argv[1:]))
+    print(f"{found['bytes_of_numbers'] / 1e6:.0f} MB of numbers, bag {found['bytes'] / 1e6:.0f} MB")
+    print(f"write {found['write']:.0f} x real time, read {found['read']:.0f} x real time")

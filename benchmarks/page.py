@@ -1,0 +1,300 @@
+"""Writes the figures of docs/performance.md, between its markers, from the results of ``make bench``.
+
+python -m benchmarks.page [FILE.json]        from the root; prints the tables, too
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tools.validation.page import Cell, number, paragraphs, table
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "performance.md"
+RESULTS = ROOT / "results" / "benchmarks.json"
+CORES = ("one core", "all cores")
+
+
+class Results:
+    """Benchmarks by name."""
+
+    def __init__(self, found: dict[str, Any]) -> None:
+        self.machine, self.versions = found["machine_info"]["cpu"], found["machine_info"]["versions"]
+        self._by_name = {run["name"]: run for run in found["benchmarks"]}
+
+    def best(self, name: str) -> float | None:
+        """Best time of a call, s; None if it was not measured."""
+        return self._by_name[name]["stats"]["min"] if name in self._by_name else None
+
+    def fact(self, name: str, key: str = "real_time_factor") -> float | None:
+        """A number that the benchmark left."""
+        return self._by_name[name]["extra_info"].get(key) if name in self._by_name else None
+
+    def facts(self, start: str) -> list[dict[str, Any]]:
+        """Numbers of all benchmarks whose names begin alike, with the best time of each as ``best``."""
+        return [
+            run["extra_info"] | {"best": run["stats"]["min"]}
+            for name, run in self._by_name.items()
+            if name.startswith(start)
+        ]
+
+
+def machine(r: Results) -> str:
+    """One line."""
+    cpu = r.machine
+    return (
+        f"{cpu['brand_raw']} ({cpu['target']}), {cpu['count']} cores; Python {r.versions['python']}, NumPy "
+        f"{r.versions['numpy']}, Numba {r.versions['numba']}. One core unless said otherwise."
+    )
+
+
+def goals(r: Results) -> str:
+    """What was to be reached, and what is."""
+    cases = ("undamaged", "damage_wheel_1", "damage_both")
+    core = _least(r.fact(f"test_run[{case}]") for case in cases)
+    bag = _least(r.fact(f"test_run_with_bag[{case}]") for case in cases)
+    plain = r.fact("test_plain[smooth]")
+    ratio = None if core is None or plain is None else core / plain
+    start = [r.fact("test_node[alone]", key) for key in ("start_s", "first_chunk_s")]
+    spreads = [r.fact(f"test_memory_of_{what}", "spread") for what in ("run", "node")]
+    worst = None if None in spreads else 100 * max(s for s in spreads if s is not None)
+    rows = [
+        ("`run`, discrete defects or smooth wheels, in memory, with stresses", _times(core), "60 ×", _met(core, 60)),
+        ("the same with the bag written at full rate", _times(bag), "25 ×", _met(bag, 25)),
+        _goal(r, "node as fast as possible, everything published and recorded", "test_node[alone]", 15),
+        ("the first against the plain reference", _times(ratio), "5000 ×", _met(ratio, 5000)),
+        _goal(r, "roughness on both treads and rails, contact solved in every step", "test_rough", 1),
+        ("warm start of the node to its first chunk", *_seconds(None if None in start else sum(start), 2)),  # type: ignore[arg-type]
+        ("warm start of the library to its first chunk", *_seconds(r.best("test_warm"), 2)),
+        ("cold start: no models, no tables; kernels compiled", *_seconds(r.best("test_without_models"), 15)),
+        ("cold start: nothing cached, all cores", *_seconds(r.best("test_with_nothing[all cores]"), 15)),
+        (
+            "resident memory over an hour, after its first minute",
+            "–" if worst is None else f"± {number(worst / 2)} %",
+            "± 5 %",
+            _met(worst, 10, least=False),
+        ),
+    ]
+    return table(("", "measured", "goal", "met"), rows)
+
+
+def _goal(r: Results, what: str, name: str, goal: float) -> tuple[str, str, str, str]:
+    found = r.fact(name)
+    return what, _times(found), f"{goal:g} ×", _met(found, goal)
+
+
+def _seconds(found: float | None, goal: float) -> tuple[str, str, str]:
+    return "–" if found is None else f"{number(found)} s", f"{goal:g} s", _met(found, goal, least=False)
+
+
+def _met(found: float | None, goal: float, *, least: bool = True) -> str:
+    if found is None:
+        return "not measured"
+    return "yes" if (found >= goal if least else found <= goal) else "no"
+
+
+def _times(found: float | None) -> str:
+    return "–" if found is None else f"{number(found, 0 if found >= 10 else 2 if found >= 0.1 else 4)} ×"
+
+
+def _least(found: Any) -> float | None:
+    values = list(found)
+    return None if None in values else min(values)
+
+
+PARTS = {
+    "modes of the wheelset, both displacements": "test_wheelset",
+    "modes of the track, both halves": "test_track",
+    "stress sums": "test_stress",
+    "two look-ups in force tables": "test_look_ups",
+}
+
+
+def profile(r: Results) -> str:
+    """Time of each part, and the bounds."""
+    flops = r.fact("test_multiply_adds", "flops") / r.best("test_multiply_adds")  # type: ignore[operator]
+    loads = {run["cache"]: run["bytes"] / run["best"] for run in r.facts("test_loads")}
+    rows: list[tuple[Cell, ...]] = []
+
+    def row(what: str, name: str) -> float:
+        best, steps = r.best(name), r.fact(name, "steps")
+        assert best is not None
+        assert steps is not None
+        measured = 1e9 * best / steps
+        if r.fact(name, "flops") is None:
+            rows.append((what, measured, *[None] * 6))
+            return measured
+        work = {key: r.fact(name, key) or 0.0 for key in ("flops", "near", "far")}
+        arithmetic = 1e9 * work["flops"] / flops
+        memory = 1e9 * (work["near"] / loads["L1"] + work["far"] / loads["L3"])
+        bytes_ = number((work["near"] + work["far"]) / 1e3)
+        rows.append(
+            (what, measured, number(work["flops"], 0), bytes_, arithmetic, memory, measured / max(arithmetic, memory))
+        )
+        return measured
+
+    alone = sum(row(what, name) for what, name in PARTS.items())
+    together = row("all of it in one loop, the coupled step", "test_coupled_step")
+    rows.insert(len(PARTS), ("sum of these", alone, *[None] * 5))
+    principal = row("maximum principal stresses", "test_principal_stress")
+    block = row("coupled step and blocks", "test_block")
+    rows[-1] = ("blocks: memory, checks, hand over", block - together, *[None] * 5)
+    whole = row("", "test_block_and_summary")
+    rows[-1] = ("summary of blocks", whole - block - principal, *[None] * 5)
+    rows.append(("**together, a step of `run`**", f"**{number(whole, 0)}**", *[None] * 5))
+    period = 1e6 / 27.7777778  # ns at 1 mm
+    rates = ", ".join(f"{number(rate / 1e9, 0)} GB/s from {cache}" for cache, rate in loads.items())
+    return paragraphs(
+        table(
+            ("part", "ns a step", "flop", "kB", "arithmetic, ns", "memory, ns", "measured to larger bound"),
+            rows,
+            (0, 0, 0, 1, 0, 0, 2),
+        ),
+        f"A step of real time takes {number(period, 0)} ns at 100 km/h, so {number(whole, 0)} ns are "
+        f"{number(period / whole, 0)} × real time. Measured most of this machine: {number(flops / 1e9, 0)} Gflop/s "
+        f"(product of matrices), {rates} (sum of an array).",
+    )
+
+
+def reference(r: Results) -> str:
+    """The same run three ways."""
+    rows = []
+    for what, smooth, impact in (
+        (
+            "plain: NumPy convolution, active set set up anew (`benchmarks/plain.py`)",
+            "test_plain[smooth]",
+            "test_plain[impact]",
+        ),
+        (
+            "`paper` dynamics of the package, contact solved in every step",
+            "test_paper_dynamics[smooth]",
+            "test_paper_dynamics[impact]",
+        ),
+        (
+            "`causal` dynamics, contact solved in every step",
+            "test_solver_in_every_step[undamaged]",
+            "test_solver_in_every_step[damage_wheel_1]",
+        ),
+        ("`causal` dynamics with tables", "test_advance[undamaged]", "test_advance[damage_wheel_1]"),
+    ):
+        found = [r.fact(name) for name in (smooth, impact)]
+        plain = r.fact("test_plain[smooth]")
+        ratio = None if found[0] is None or not plain else found[0] / plain
+        rows.append((what, *map(_times, found), number(ratio, 0)))
+    return table(("", "smooth treads", "with a defect", "smooth, to plain"), rows)
+
+
+def scaling(r: Results) -> str:
+    """All tables of growth."""
+    runs: list[str] = []
+
+    def add(head: tuple[str, ...], start: str, keys: tuple[str, ...], digits: tuple[int, ...]) -> None:
+        rows = [[run[key] for key in keys] for run in r.facts(start)]
+        runs.append(table((*head, "× real time"), [[*row] for row in rows], digits))
+
+    factor = "real_time_factor"
+    add(("after simulated time, s",), "test_after", ("seconds", factor), (0, 0))
+    add(
+        ("bays of the ring", "modes of the ring", "time to reduce them, s"),
+        "test_bays",
+        ("bays", "ring_modes", "reduction_s", factor),
+        (0, 0, 1, 0),
+    )
+    add(("states of a half track",), "test_states", ("order", factor), (0, 0))
+    add(("modes of the wheelset",), "test_modes", ("modes", factor), (0, 0))
+    add(
+        ("defects", "off the middle, mm", "tables", "MB", "time to build them, s"),
+        "test_defects",
+        ("defects", "y_mm", "tables", "tables_mb", "tables_s", factor),
+        (0, 0, 0, 1, 1, 0),
+    )
+    return paragraphs(*runs)
+
+
+def contact(r: Results) -> str:
+    """Solvers side by side."""
+    runs = r.facts("test_half_space")
+    solvers = list(dict.fromkeys(run["solver"] for run in runs))
+    rows = []
+    for problem in dict.fromkeys(run["problem"] for run in runs):
+        of = {run["solver"]: run for run in runs if run["problem"] == problem}
+        first = next(iter(of.values()))
+        times = [1e3 * of[name]["best"] if name in of else None for name in solvers]
+        rows.append([problem, first["grid"], number(first["inside"], 0), *times])
+    errors = [run["error"] for run in runs]
+    asked = {kind: r.best(f"test_contact_in_the_run[{kind}]") for kind in ("table", "solver")}
+    each = {kind: 1e9 * best / 1000 for kind, best in asked.items() if best is not None}
+    return paragraphs(
+        table(("problem", "elements", "in contact", *(f"{name}, ms" for name in solvers)), rows, (0, 0, 0, 2, 1, 1)),
+        f"The pressures agree within {max(errors):.0e} of the largest. In the run, with the contact of the last step "
+        f"as the first guess, a solution takes {number(each.get('solver', 0.0) / 1e3, 0)} µs, and one look-up in a table "
+        f"{number(each.get('table', 0.0), 0)} ns.",
+    )
+
+
+def more(r: Results) -> str:
+    """Bags, nodes, starts, fleets, memory."""
+    fleets, nodes, costs = (r.facts(start) for start in ("test_fleet[", "test_fleet_of_nodes[", "test_cost_of_a_fleet"))
+    rows = [
+        ("bag written, all eighteen components busy", _times(r.fact("test_bag", "write"))),
+        ("bag read", _times(r.fact("test_bag", "read"))),
+        ("node, a subscriber to every topic on the other core", _times(r.fact("test_node[with a subscriber]"))),
+        *((f"cold start, nothing cached, {n}", _seconds(r.best(f"test_with_nothing[{n}]"), 15)[0]) for n in CORES),
+        *((f"{run['wheelsets']} wheelsets on two cores, in memory", _in_real_time(run)) for run in fleets),
+        *((f"{run['wheelsets']} nodes in a process on two cores", _in_real_time(run)) for run in nodes),
+        *(
+            (f"{run['wheelsets']} wheelsets over so many times one", f"{number(run['ratio'], 2)} × time")
+            for run in costs
+        ),
+        *(
+            (f"resident memory of the {what} over an hour, first minute left out", _span(r, f"test_memory_of_{what}"))
+            for what in ("run", "node")
+        ),
+    ]
+    return table(("", "measured"), rows)
+
+
+def _in_real_time(run: dict[str, Any]) -> str:
+    return f"{number(run['in_real_time'], 0)} in real time"
+
+
+def _span(r: Results, name: str) -> str:
+    least, most = (r.fact(name, key) for key in ("least_mb", "most_mb"))
+    return "–" if least is None or most is None else f"{least:.0f} to {most:.0f} MB"
+
+
+SECTIONS: dict[str, Callable[[Results], str]] = {
+    "machine": machine,
+    "goals": goals,
+    "profile": profile,
+    "reference": reference,
+    "scaling": scaling,
+    "contact": contact,
+    "more": more,
+}
+
+
+def main(file: str = str(RESULTS)) -> None:
+    """Put every section between its markers, and print it."""
+    results = Results(json.loads(Path(file).read_text()))
+    page = PAGE.read_text(encoding="utf-8")
+    for name, section in SECTIONS.items():
+        text = section(results)
+        print(f"\n{text}")
+        filled, count = re.subn(
+            rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", lambda m, text=text: m[1] + text + m[2], page, flags=re.DOTALL
+        )
+        if count != 1:
+            raise SystemExit(f"{PAGE.name} has {count} places for {name}: give it one")
+        page = filled
+    PAGE.write_text(page, encoding="utf-8")
+    print(f"\n{PAGE.relative_to(ROOT)} is written")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
