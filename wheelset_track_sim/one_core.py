@@ -30,6 +30,7 @@ class _Limit:
     def __call__(self) -> Iterator[None]:
         with self._lock:
             if self._inside == 0:
+                _take_control()
                 self._limited = _libraries().limit(limits=1, user_api="blas")
             self._inside += 1
         try:
@@ -38,6 +39,7 @@ class _Limit:
             with self._lock:
                 self._inside -= 1
                 if self._inside == 0:
+                    _take_control()
                     self._limited.restore_original_limits()
 
 
@@ -59,3 +61,11 @@ def on_one_core(function: Callable[Arguments, Result]) -> Callable[Arguments, Re
 @cache
 def _libraries() -> ThreadpoolController:
     return ThreadpoolController()
+
+
+def _take_control() -> None:
+    """From now on it is this thread that sets limits: threadpoolctl 3.8 lets but one do so, silently."""
+    for library in _libraries().lib_controllers:
+        release = getattr(library, "clear_controlling_thread", None)
+        if release is not None:
+            release(force=True)
