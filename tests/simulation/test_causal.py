@@ -7,6 +7,8 @@ from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.causal import CausalModel, causal_model, truncated
 from wheelset_track_sim.simulation.causal_kernels import advance, displacements, stresses
 from wheelset_track_sim.simulation.models import load_models
+from wheelset_track_sim.simulation.simulator import Simulator
+from wheelset_track_sim.simulation.summary import summarise
 
 DX, SPEED, LOAD = 1e-3, 100 / 3.6, 98.1e3
 
@@ -51,6 +53,15 @@ def test_the_rail_starts_at_rest_under_the_load(model: CausalModel, start: int) 
 def test_the_preload_is_what_the_load_displaces(model: CausalModel) -> None:
     xi, _ = stepped(model, 6000)
     assert xi[-600:].sum(axis=1).mean(axis=0) == pytest.approx(model.preload(LOAD, DX, SPEED), rel=2e-3)
+
+
+def test_nobody_need_ask_for_stress() -> None:
+    simulator = Simulator(load_scenario("damage_wheel_1", ["output.stress_nodes=[]"]))
+    block = simulator.advance(2000)
+    assert block.stresses.shape == (2000, 0, 6)
+    assert summarise(block).nodes == ()
+    stressed = Simulator(load_scenario("damage_wheel_1")).advance(2000)  # its modes are in another order
+    assert block.forces == pytest.approx(stressed.forces, abs=1e-3)
 
 
 def test_doubled_forces_double_everything(model: CausalModel) -> None:

@@ -97,7 +97,7 @@ class CausalModel:
         poles, inputs, outputs = self.wheelset.poles, self.wheelset.inputs, self.wheelset.outputs
         a, (b0, _), (_, b1) = np.exp(poles * dt), hold_coefficients(poles, dt), hold_coefficients(poles, dx / behind)
         wheel_compliance = (outputs * b1 * inputs.T).real.sum(axis=1) + self.wheel_residual
-        summed = self.stress_output.shape[1]
+        summed, groups = self.stress_output.shape[1], -(-len(self.stress_output) // 4)
         stress_direct = (self.stress_output @ (b1[:summed, np.newaxis] * inputs[:summed])).real
         gains = ((a * b1 + b0)[:, np.newaxis] * inputs).T
         track_steps = _track_steps(self, dx, speed, behind)
@@ -109,9 +109,7 @@ class CausalModel:
             places=track_steps.places,
             track_modes=_whole_registers(max(len(r) for r in track)),
             coming=coming,
-            stress_output=_banked(
-                _padded(self.stress_output, 0, -(-len(self.stress_output) // 4) * 4).reshape(-1, 4, summed)
-            ),
+            stress_output=_banked(_padded(self.stress_output, 0, 4 * groups).reshape(groups, 4, summed)),
             stress_modes=_whole_registers(summed),
             stress_direct=stress_direct + self.stress_feedthrough,
             wheel_compliance=wheel_compliance,
@@ -235,7 +233,7 @@ def _banked(rows: Complex) -> Real:
     first = -memory.ctypes.data // memory.itemsize % REGISTER
     aligned = memory[first : first + parts.size]
     aligned.reshape(parts.shape)[...] = parts
-    return aligned.reshape(*rows.shape[:-2], banks, -1)
+    return aligned.reshape(*rows.shape[:-2], banks, 2 * rows.shape[-2] * ROW)
 
 
 def _unbanked(banks: Real, modes: int) -> Complex:

@@ -157,7 +157,7 @@ class Simulator:
             position=first * scenario.step_length,
             revision=condition.revision.number,
             forces=forces,
-            stresses=stresses.reshape(len(scenario.output.stress_nodes), len(COMPONENTS), -1).transpose(2, 0, 1),
+            stresses=stresses.reshape(-1, len(COMPONENTS), len(forces)).transpose(2, 0, 1),
             nodes=scenario.output.stress_nodes,
         )
 
