@@ -73,16 +73,9 @@ def statistics(signals: NDArray[np.float64]) -> Statistics:
 
 def summarise(block: SampleBlock) -> Summary:
     """Summary of a block; raises ValueError for one without samples."""
-    wheel_1, wheel_2 = (
-        WheelLoad(
-            max_force=float(force.max()),
-            min_force=float(force.min()),
-            mean_force=float(force.mean()),
-            rms_force=math.sqrt(float(force @ force) / len(force)),
-            contact_loss=int(np.count_nonzero(force <= 0)) * block.step_period,
-        )
-        for force in block.forces.T
-    )
+    forces = np.ascontiguousarray(block.forces.T)
+    lost = np.count_nonzero(forces <= 0, axis=1) * block.step_period
+    wheel_1, wheel_2 = (WheelLoad(*map(float, found)) for found in zip(*statistics(forces), lost, strict=True))
     nodes = tuple(
         NodeStress(name, *map(float, found))
         for name, *found in zip(block.nodes, *statistics(np.ascontiguousarray(block.max_principal.T)), strict=True)
