@@ -78,6 +78,9 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="a page and a table of a bag")
     report.add_argument("bag", type=Path, metavar="BAG", help="an .mcap file or a bag folder")
     report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
+    report.add_argument(
+        "--threshold", type=float, metavar="N", help="contact force that makes an impact (default: 200e3)"
+    )
     report.set_defaults(command=_report)
 
     demo = commands.add_parser("demo", help="stream, record and report the paper's Section 5.1 through the ROS 2 node")
@@ -103,8 +106,10 @@ def _study(options: argparse.Namespace) -> int:
 
 def _report(options: argparse.Namespace) -> int:
     from .commands.report import report
+    from .simulation.impacts import ImpactSettings
 
-    return report(options.bag, options.out)
+    settings = None if options.threshold is None else ImpactSettings(options.threshold)
+    return report(options.bag, options.out, settings)
 
 
 def _demo(options: argparse.Namespace) -> int:

@@ -1,18 +1,85 @@
-"""Recordings of plain numbers with the scenarios that come with the package."""
+"""Runs of plain numbers with the scenarios that come with the package, surveyed block by block."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from wheelset_track_sim.recording import Recording, RunInfo
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.recording import RunInfo, State
+from wheelset_track_sim.report.survey import Survey, survey_of
+from wheelset_track_sim.scenario import Scenario, load_scenario
+from wheelset_track_sim.simulation.block import SampleBlock
+from wheelset_track_sim.simulation.impacts import ImpactSettings
 
 DX = 1e-3
+NODES = ("A1", "B1", "C1")
 
 
-def recording_of(
+def state(what: Scenario, step: int, time: float, revision: int) -> State:
+    return State(
+        first_step=step,
+        time=time,
+        step_period=what.step_period,
+        speed=what.speed,
+        speed_set_point=what.speed,
+        position=step * DX,
+        revision=revision,
+        axle_load=what.axle_load,
+        damage=tuple(
+            {
+                "wheel": 1 + (item.on == "wheel_2"),
+                "a": item.a,
+                "b": item.b,
+                "h": item.h,
+                "angle": item.angle,
+                "y": item.y,
+            }
+            for item in what.irregularities
+        ),
+        scenario_name=what.name,
+        scenario=what.to_yaml(),
+        digest=what.digest,
+    )
+
+
+def events(
+    what: Scenario,
+    length: float,
+    spikes: Sequence[tuple[float, float]],
+    wheel: int,
+    revisions: Sequence[tuple[int, Scenario]],
+    chunk: int,
+) -> Iterator[SampleBlock | State]:
+    count = round(length / DX) + 1
+    forces = np.tile([100e3, 90e3], (count, 1))
+    for position, force in spikes:
+        forces[round(position / DX), wheel] = force
+        forces[round(position / DX) + 1, wheel] = 0.0
+    stresses = np.zeros((count, len(NODES), 6))
+    stresses[:, :, 1] = 60e6, 50e6, 40e6
+    time = 0.0
+    plan = [(0, what), *revisions, (count, what)]
+    for revision, ((first, now), (end, _)) in enumerate(pairwise(plan)):
+        yield state(now, first, time, revision)
+        for start in range(first, end, chunk):
+            part = slice(start, min(start + chunk, end))
+            yield SampleBlock(
+                first_step=start,
+                time=time,
+                step_period=DX / now.speed,
+                speed=now.speed,
+                position=start * DX,
+                revision=revision,
+                forces=forces[part].copy(),
+                stresses=stresses[part].copy(),
+                nodes=NODES,
+            )
+            time += (part.stop - start) * DX / now.speed
+
+
+def survey_of_numbers(
     scenario: str = "undamaged",
     changes: Sequence[str] = (),
     *,
@@ -20,41 +87,25 @@ def recording_of(
     spacing: float = 0.6,
     name: str | None = None,
     spikes: Sequence[tuple[float, float]] = (),
-    revision_from: int | None = None,
-) -> Recording:
+    wheel: int = 0,
+    revisions: Sequence[tuple[int, Sequence[str]]] = (),
+    chunk: int = 1389,
+    threshold: float = 200e3,
+    known: bool = True,
+) -> Survey:
     """Run of ``length`` m with 100 kN on wheel 1, 90 kN on wheel 2, uniaxial stresses of 60, 50 and 40 MPa.
 
-    ``spikes`` are (position, force) of single samples of wheel 1; the sample after each has no force.
+    ``spikes`` are (position, force) of single samples of a wheel; the sample after each has no force. ``revisions``
+    are (first step, changes of the scenario).
     """
     what = load_scenario(scenario, changes)
-    count = round(length / DX) + 1
-    steps = np.arange(count, dtype=np.uint64)
-    forces = np.tile([100e3, 90e3], (count, 1))
-    for position, force in spikes:
-        forces[round(position / DX), 0] = force
-        forces[round(position / DX) + 1, 0] = 0.0
-    stresses = np.zeros((count, 3, 6))
-    stresses[:, :, 1] = 60e6, 50e6, 40e6
-    revision = np.zeros(count, dtype=np.uint32)
-    if revision_from is not None:
-        revision[revision_from:] = 1
-    return Recording(
-        path=Path("run.mcap"),
-        info=RunInfo(name or what.name, what.to_yaml(), what.digest, spacing),
-        states=(),
-        start_ns=0,
-        steps=steps,
-        time=steps * what.step_period,
-        position=steps * DX,
-        speed=np.full(count, what.speed),
-        step_period=np.full(count, what.step_period),
-        revision=revision,
-        forces=forces,
-        stresses=stresses,
-        nodes=("A1", "B1", "C1"),
-    )
+    later = [(step, load_scenario(scenario, [*changes, *more])) for step, more in revisions]
+    info = RunInfo(name or what.name, what.to_yaml() if known else "", what.digest if known else "", spacing)
+    found = events(what, length, spikes, wheel, later, chunk)
+    kept = found if known else (event for event in found if isinstance(event, SampleBlock))
+    return survey_of(kept, info, 0, Path("run.mcap"), ImpactSettings(threshold))
 
 
 @pytest.fixture
-def make_recording() -> Callable[..., Recording]:
-    return recording_of
+def make_survey() -> Callable[..., Survey]:
+    return survey_of_numbers

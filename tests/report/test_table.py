@@ -5,21 +5,21 @@ import pytest
 from rich.console import Console
 
 from wheelset_track_sim.report import summary_table
-from wheelset_track_sim.report.table import comparison, description, rows
+from wheelset_track_sim.report.table import description, rows
 
 
-def by_label(recording):
-    return {row.label: row for row in rows(recording, comparison(recording))}
+def by_label(run):
+    return {row.label: row for row in rows(run)}
 
 
-def text_of(recording) -> str:
+def text_of(run) -> str:
     out = io.StringIO()
-    Console(file=out, width=120).print(summary_table(recording))
+    Console(file=out, width=120).print(summary_table(run))
     return out.getvalue()
 
 
-def test_a_published_case_stands_beside_the_paper(make_recording):
-    found = by_label(make_recording("damage_wheel_1", spikes=[(1.8, 300e3), (4.5, 320e3)]))
+def test_a_published_case_stands_beside_the_paper(make_survey):
+    found = by_label(make_survey("damage_wheel_1", spikes=[(1.8, 300e3), (4.5, 320e3)]))
     force = found["Contact force wheel 1, max"]
     assert (force.run, force.passage, force.paper) == (320.0, 300.0, 358.0)
     assert force.cells() == ("320.0 kN", "300.0 kN", "358 kN", "-16.2 %")
@@ -31,8 +31,8 @@ def test_a_published_case_stands_beside_the_paper(make_recording):
     assert (stress.run, stress.paper) == (pytest.approx(40.0), pytest.approx(88.1))
 
 
-def test_undamaged_figures(make_recording):
-    found = by_label(make_recording("undamaged"))
+def test_undamaged_figures(make_survey):
+    found = by_label(make_survey("undamaged"))
     printed = {label: row.paper for label, row in found.items() if not math.isnan(row.paper)}
     assert printed == pytest.approx(
         {
@@ -41,6 +41,8 @@ def test_undamaged_figures(make_recording):
             "Max. principal stress A1, max": 69.3,
             "Max. principal stress B1, max": 66.6,
             "Max. principal stress C1, max": 61.8,
+            "Dynamic factor wheel 1": 131 / 98.1,
+            "Dynamic factor wheel 2": 128 / 98.1,
         }
     )
 
@@ -56,49 +58,56 @@ def test_undamaged_figures(make_recording):
         ("undamaged", ["axle_load=150000"]),
     ],
 )
-def test_what_the_paper_does_not_print_stands_alone(make_recording, scenario, changes):
-    recording = make_recording(scenario, changes, name="damage_wheel_1")
-    assert comparison(recording) is None
-    assert all(math.isnan(row.paper) for row in rows(recording, None))
-    assert "paper" not in text_of(recording)
+def test_what_the_paper_does_not_print_stands_alone(make_survey, scenario, changes):
+    run = make_survey(scenario, changes, name="damage_wheel_1")
+    assert run.passage is None
+    assert all(math.isnan(row.paper) for row in rows(run))
+    assert "paper" not in text_of(run)
 
 
-def test_content_counts_and_not_the_name(make_recording):
-    assert comparison(make_recording("undamaged", ["name=mine"])) is not None
+def test_content_counts_and_not_the_name(make_survey):
+    assert make_survey("undamaged", ["name=mine"]).passage is not None
 
 
-def test_a_changed_run_is_not_the_case(make_recording):
-    assert comparison(make_recording("undamaged", revision_from=5000)) is None
+def test_a_changed_run_is_not_the_case(make_survey):
+    assert make_survey("undamaged", revisions=[(5000, ["axle_load=150000"])]).passage is None
 
 
 @pytest.mark.parametrize(("length", "compared"), [(1.0, False), (2.6, False), (2.712, True), (9.0, True)])
-def test_the_passage_must_be_in_the_run(make_recording, length, compared):
-    found = comparison(make_recording("undamaged", length=length))
-    assert (found is not None) == compared
+def test_the_passage_must_be_in_the_run(make_survey, length, compared):
+    assert (make_survey("undamaged", length=length).passage is not None) == compared
 
 
-def test_the_passage_is_three_bays(make_recording):
-    recording = make_recording("undamaged")
-    passage = recording.position[comparison(recording).passage]
-    assert passage[0] == pytest.approx(0.9, abs=1e-9)
+@pytest.mark.parametrize("chunk", [1, 1389, 10_000])
+def test_the_passage_is_three_bays(make_survey, chunk):
+    passage = make_survey("undamaged", length=3.0, chunk=chunk).passage.samples
+    assert passage.position[0] == pytest.approx(0.9, abs=1e-9)
     assert len(passage) == pytest.approx(1800, abs=1)
 
 
-def test_a_bag_without_scenario_has_a_table(make_recording, monkeypatch):
-    recording = make_recording("undamaged", spacing=math.nan)
-    object.__setattr__(recording, "info", type(recording.info)("unknown", "", "", math.nan, {}))
-    assert comparison(recording) is None
-    assert "100.0 kN" in text_of(recording)
+def test_a_bag_without_scenario_has_a_table(make_survey):
+    run = make_survey("undamaged", spacing=math.nan, known=False)
+    assert run.passage is None
+    assert "100.0 kN" in text_of(run)
+    assert "Dynamic factor" not in text_of(run)
 
 
-def test_terminal_table_reads_well(make_recording):
-    text = text_of(make_recording("damage_wheel_1", spikes=[(1.8, 300e3)]))
+def test_the_dynamic_factor_is_over_the_force_at_rest(make_survey):
+    found = by_label(make_survey(spikes=[(1.8, 294.3e3)]))
+    assert found["Dynamic factor wheel 1"].cells()[0] == "3.00"
+    assert found["Dynamic factor wheel 2"].run == pytest.approx(90 / 98.1)
+    changed = by_label(make_survey(revisions=[(3000, ["axle_load=150000"])]))
+    assert not any("Dynamic" in label for label in changed)
+
+
+def test_terminal_table_reads_well(make_survey):
+    text = text_of(make_survey("damage_wheel_1", spikes=[(1.8, 300e3)]))
     assert "100 km/h, axle load 20 t, causal dynamics" in text
     for part in ("300.0 kN", "358 kN", "-16.2 %", "60.0 MPa", "93.7 MPa", "Table 3", "0.9 to 2.7 m"):
         assert part in text
 
 
-def test_a_range_of_speeds_is_told(make_recording):
-    recording = make_recording("undamaged")
-    recording.speed[3000:] = 30.0
-    assert description(recording).startswith("100 to 108 km/h")
+def test_a_range_of_speeds_is_told(make_survey):
+    run = make_survey("undamaged", revisions=[(3000, ["speed=30"])])
+    assert description(run).startswith("100 to 108 km/h, axle load 20 t")
+    assert run.speeds == ((0.0, pytest.approx(100 / 3.6)), (pytest.approx(0.108, rel=1e-6), 30.0))

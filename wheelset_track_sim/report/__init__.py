@@ -1,7 +1,10 @@
-"""What people see of a recorded run: a table, a picture, a page."""
+"""What people see of a recorded run: a table, a picture, a page.
+
+The page, in the module ``page``, needs the extra ``report``.
+"""
 
 from .figures import plot_run
-from .page import write_report
+from .survey import Survey, survey
 from .table import summary_table
 
-__all__ = ["plot_run", "summary_table", "write_report"]
+__all__ = ["Survey", "plot_run", "summary_table", "survey"]

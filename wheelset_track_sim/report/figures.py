@@ -1,8 +1,9 @@
-"""Figures of a run: contact forces and principal stresses over the position along the track."""
+"""Picture of a run: contact forces and principal stresses over the position along the track."""
 
 from __future__ import annotations
 
 import io
+import math
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..recording import Recording
-from .table import Comparison, comparison, description, scenario_of
+from .samples import Samples
+from .survey import Survey
+from .table import description
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""
@@ -28,13 +30,9 @@ STYLE: Any = {
     "lines.linewidth": 1.2,
     "svg.fonttype": "none",
 }
-BEFORE, AFTER = 0.9, 1.8
-"""Track shown before and after the largest force, m: about one turn of the wheel."""
-BINS = 900
-"""Width of the overview in minima and maxima."""
 
 
-def plot_run(recording: Recording, path: Path) -> Path:
+def plot_run(run: Survey, path: Path) -> Path:
     """Write one picture (PNG) of the part of a run to look at closely: forces on top, stresses below.
 
     Raises InputError if the path cannot be written.
@@ -42,11 +40,11 @@ def plot_run(recording: Recording, path: Path) -> Path:
     with rc_context(STYLE):
         figure = Figure(figsize=(9.6, 6.4), dpi=125, layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True)
-        around = detail(recording, comparison(recording))
-        draw_forces(top, recording, around)
-        draw_stresses(bottom, recording, around)
+        part = detail(run)
+        draw_forces(top, run, part)
+        draw_stresses(bottom, run, part)
         top.set_xlabel("")
-        figure.suptitle(f"{recording.info.scenario_name}: {description(recording)}", fontsize=11, x=0.01, ha="left")
+        figure.suptitle(f"{run.info.scenario_name}: {description(run)}", fontsize=11, x=0.01, ha="left")
         content = io.BytesIO()
         figure.savefig(content, format="png")
     try:
@@ -57,62 +55,41 @@ def plot_run(recording: Recording, path: Path) -> Path:
     return path
 
 
-def detail(recording: Recording, compared: Comparison | None) -> slice:
-    """Samples to look at closely: the passage that the paper prints, or else those around the largest contact force.
-
-    The whole run if it is not much longer than that.
-    """
-    position, length = recording.position, BEFORE + AFTER
-    if position[-1] - position[0] <= 1.5 * length:
-        return slice(0, len(recording))
-    if compared:
-        return compared.passage
-    peak = position[int(recording.forces.max(axis=1).argmax())]
-    first = min(max(peak - BEFORE, position[0]), position[-1] - length)
-    start, stop = np.searchsorted(position, [first, first + length])
-    return slice(int(start), int(stop))
+def detail(run: Survey) -> Samples:
+    """Samples to look at closely: the passage that the paper prints, or else those around the largest contact force."""
+    return run.passage.samples if run.passage else run.closeups[0].samples
 
 
-def draw_forces(axes: Axes, recording: Recording, part: slice) -> None:
+def draw_forces(axes: Axes, run: Survey, part: Samples) -> None:
     """Contact forces of both wheels, kN."""
-    mark_sleepers(axes, recording, part)
-    scenario = scenario_of(recording)
-    if scenario:
-        axes.axhline(scenario.wheel_load / 1e3, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), label="static")
-    curves(axes, recording, part, recording.forces / 1e3, ("wheel 1", "wheel 2"))
+    mark_sleepers(axes, part, run.info.sleeper_spacing)
+    if not math.isnan(run.wheel_load):
+        axes.axhline(run.wheel_load / 1e3, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), label="static")
+    curves(axes, part, part.forces / 1e3, ("wheel 1", "wheel 2"))
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     finish(axes, "contact force (kN)")
 
 
-def draw_stresses(axes: Axes, recording: Recording, part: slice) -> None:
+def draw_stresses(axes: Axes, run: Survey, part: Samples) -> None:
     """Maximum principal stress at every node, MPa."""
-    mark_sleepers(axes, recording, part)
-    curves(axes, recording, part, recording.max_principal / 1e6, recording.nodes)
+    mark_sleepers(axes, part, run.info.sleeper_spacing)
+    curves(axes, part, part.max_principal / 1e6, run.nodes)
     finish(axes, "max. principal stress (MPa)")
 
 
-def curves(axes: Axes, recording: Recording, part: slice, values: NDArray[np.float64], names: tuple[str, ...]) -> None:
-    """One curve a column; over many samples the band between minimum and maximum of each stretch."""
-    position, values = recording.position[part], values[part]
-    bands = len(position) > 8 * BINS
-    starts = np.linspace(0, len(position), BINS, endpoint=False).astype(int)
+def curves(axes: Axes, part: Samples, values: NDArray[np.float64], names: tuple[str, ...]) -> None:
+    """One curve a column."""
     # The first curve is drawn last: the damaged wheel and the most stressed node lie on top.
     for column in reversed(range(values.shape[1])):
-        curve, colour = values[:, column], COLOURS[column % len(COLOURS)]
-        if bands:
-            low, high = np.minimum.reduceat(curve, starts), np.maximum.reduceat(curve, starts)
-            axes.fill_between(position[starts], low, high, color=colour, alpha=0.75, linewidth=0.4, label=names[column])
-        else:
-            axes.plot(position, curve, color=colour, label=names[column])
-    axes.set_xlim(position[0], position[-1])
+        axes.plot(part.position, values[:, column], color=COLOURS[column % len(COLOURS)], label=names[column])
+    axes.set_xlim(part.position[0], part.position[-1])
 
 
-def mark_sleepers(axes: Axes, recording: Recording, part: slice) -> None:
-    """A light vertical line above every sleeper, unless they would run together."""
-    position, spacing = recording.position[part], recording.info.sleeper_spacing
-    if not np.isfinite(spacing) or (position[-1] - position[0]) / spacing > 30:
+def mark_sleepers(axes: Axes, part: Samples, spacing: float) -> None:
+    """A light vertical line above every sleeper."""
+    if math.isnan(spacing):
         return
-    first, last = np.ceil(position[0] / spacing), np.floor(position[-1] / spacing)
+    first, last = np.ceil(part.position[0] / spacing), np.floor(part.position[-1] / spacing)
     for index, number in enumerate(np.arange(first, last + 1)):
         axes.axvline(number * spacing, color="#d9d9d9", linewidth=1.0, zorder=0, label="" if index else "sleeper")
 
@@ -136,16 +113,3 @@ def finish(axes: Axes, quantity: str) -> None:
         columnspacing=0.9,
         borderaxespad=0.2,
     )
-
-
-def svg(recording: Recording, draw: Any, part: slice, width: float, height: float, title: str) -> str:
-    """One drawing as an SVG element that scales with the page; size in inches, ``title`` for screen readers."""
-    # The salt keeps the identifiers of several drawings on one page apart, and makes them the same every time.
-    with rc_context({**STYLE, "svg.hashsalt": f"{title} {width}"}):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        draw(figure.subplots(), recording, part)
-        content = io.StringIO()
-        figure.savefig(content, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
-    text = content.getvalue()
-    text = text[text.index("<svg") :]
-    return text.replace("<svg", f'<svg role="img" aria-label="{title}"', 1)

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from ..report.page import PAPER, STYLE
+from ..report.assets import PAPER, STYLE
 from . import drawing
 from .tables import Table
 
 MORE_STYLE = """
 figure svg { min-width: 38rem; }
-figure { overflow-x: auto; }
+figure { overflow-x: auto; background: #fff; }
 td, th { white-space: normal; }
 """
 PRINTED = f"“Paper” is {PAPER}"

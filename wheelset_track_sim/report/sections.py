@@ -1,0 +1,179 @@
+"""Sections of the page: headings, words and tables around the plots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import datetime, timezone
+from html import escape
+
+from ..simulation.impacts import Impact
+from .assets import PAPER
+from .contact_map import ContactMap
+from .spectrum import Spectrum
+from .survey import Survey
+from .table import headings, rows, source
+
+VIEW = 0.010, 0.030
+"""Time shown before and after an impact, s."""
+MOST_IMPACTS = 100
+"""Most impacts that are listed."""
+MOST_STATES = 200
+"""Most revisions that are listed."""
+
+
+def peaks(run: Survey) -> str:
+    """Table of maxima and minima, beside the paper's if it prints the case."""
+    titles = headings(run)
+    head = "".join(f"<th>{title}</th>" for title in ("", *titles))
+    lines, unit = [], ""
+    for row in rows(run):
+        cells = (
+            f'<td data-name="{title}">{escape(cell)}</td>' for title, cell in zip(titles, row.cells(), strict=False)
+        )
+        first = ' class="first"' if unit and row.unit != unit else ""
+        lines.append(f"<tr{first}><td>{escape(row.label)}</td>{''.join(cells)}</tr>")
+        unit = row.unit
+    note = f'<p class="quiet">{escape(source(run.passage))} {PAPER}</p>' if run.passage else ""
+    kind = "compared" if run.passage else "alone"
+    table = f'<table class="{kind}"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
+    return f"<h2>Peaks</h2>{table}{note}"
+
+
+def over_time(run: Survey, plot: str) -> str:
+    """Plots over time, with buttons that move the time axis, and what is drawn."""
+    end = run.start + run.duration
+    buttons = f"{_button('Whole run', run.start, end)} {_button('Largest force', *_around(run.peak.time))}"
+    bins = run.bins
+    if bins.size == 1:
+        drawn = "Every step is drawn."
+    else:
+        dx = run.distance / run.steps
+        drawn = (
+            f"Drawn are the smallest and the largest value of each {bins.size} steps ({1e3 * bins.size * dx:.4g} mm), "
+            f"so that no peak is lost, and every step within about one turn of the wheel around the "
+            f"{len(run.closeups)} largest forces."
+        )
+    dashed = "" if math.isnan(run.wheel_load) else "Dashed: the force at rest. "
+    return (
+        f'<h2 id="over-time">Forces and stresses over time</h2><p class="screen">{buttons}</p>{plot}'
+        f'<p class="quiet">{drawn} {dashed}Drag to zoom into a time, or turn the mouse wheel with the Ctrl key; '
+        "a finger pans, two zoom. All plots show the same time.</p>"
+    )
+
+
+def impacts(run: Survey) -> str:
+    """List of impacts, the strongest if there are many, in the order of their time."""
+    heading = "<h2>Impacts</h2>"
+    if math.isnan(run.threshold):
+        return f"{heading}<p>The wheelset of this bag is not known here, so impacts are not looked for.</p>"
+    above = f"a contact force above {run.threshold / 1e3:.4g} kN"
+    if not run.impacts:
+        return f"{heading}<p>There is no impact: at no time was there {above}.</p>"
+    number = f"{len(run.impacts)} impacts, each" if len(run.impacts) > 1 else "1 impact,"
+    words = f"{number} {above}."
+    listed: Sequence[Impact] = run.impacts
+    if len(listed) > MOST_IMPACTS:
+        strongest = sorted(listed, key=lambda impact: -impact.peak_force)[:MOST_IMPACTS]
+        listed = sorted(strongest, key=lambda impact: impact.step)
+        words += f" The {MOST_IMPACTS} strongest are listed."
+    head = (
+        '<th>time</th><th>wheel</th><th>peak</th><th>dynamic factor</th><th class="wide">position</th>'
+        '<th>angle on the wheel</th><th>without contact before</th><th class="wide">speed</th>'
+    )
+    lines = "".join(
+        f"<tr><td>{_button(f'{impact.time:.4f} s', *_around(impact.time))}</td><td>{impact.wheel + 1}</td>"
+        f"<td>{impact.peak_force / 1e3:.1f} kN</td><td>{impact.dynamic_factor:.2f}</td>"
+        f'<td class="wide">{impact.position:.3f} m</td><td>{math.degrees(impact.angle):.1f}°</td>'
+        f'<td>{1e3 * impact.contact_loss:.2f} ms</td><td class="wide">{3.6 * impact.speed:.4g} km/h</td></tr>'
+        for impact in listed
+    )
+    return (
+        f'{heading}<p>{words}</p><div class="list"><table id="impacts"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{lines}</tbody></table></div>"
+    )
+
+
+def pressure(run: Survey, contact: ContactMap, plot: str) -> str:
+    """Map of the contact pressure at the largest force."""
+    peak = run.peak
+    x, y = (1e3 * length for length in contact.size)
+    rim = " Dashed: rim of the defect." if contact.defects else ""
+    return (
+        f"<h2>Contact pressure at the {'worst impact' if run.impacts else 'largest force'}</h2>"
+        f"<p>Wheel {peak.wheel + 1} at {peak.time:.4f} s, {peak.position:.3f} m: {contact.force / 1e3:.1f} kN, peak "
+        f"pressure {contact.pressure.max() / 1e6:.0f} MPa, contact {x:.0f} mm long and {y:.1f} mm wide.</p>{plot}"
+        f'<p class="quiet">Linear elastic, solved for the recorded force with the treads in force.{rim}</p>'
+    )
+
+
+def known_frequencies(run: Survey, spectrum: Spectrum) -> list[tuple[float, str]]:
+    """Frequencies, Hz, at which turns of the wheel and sleepers follow one another at the spectrum's speed."""
+    lengths = (
+        (2 * math.pi * run.rolling_radius, "turns of the wheel"),
+        (run.info.sleeper_spacing, "sleepers"),
+    )
+    return [(spectrum.speed / length, name) for length, name in lengths if not math.isnan(length)]
+
+
+def spectra(spectrum: Spectrum, plot: str) -> str:
+    """Power spectral densities."""
+    length = 2 * (len(spectrum.frequency) - 1)
+    resolution = spectrum.frequency[1]
+    how = f"mean of {spectrum.segments} segments" if spectrum.segments > 1 else "one segment"
+    return (
+        f"<h2>Spectra</h2><p>Power spectral density at {3.6 * spectrum.speed:.4g} km/h, up to half the sampling rate "
+        f"of {2e-3 * spectrum.frequency[-1]:.4g} kHz.</p>{plot}"
+        f'<p class="quiet">Welch’s method, {how} of {length} steps with a Hann window, {resolution:.3g} Hz apart.</p>'
+    )
+
+
+def what_ran(run: Survey) -> str:
+    """Scenario, damage by revision, versions."""
+    info = run.info
+    facts = {"bag": run.path.name, "scenario": info.scenario_name, "digest": info.digest}
+    if run.start_ns:
+        start = datetime.fromtimestamp(run.start_ns / 1e9, tz=timezone.utc)
+        facts["step 0"] = f"{start:%Y-%m-%d %H:%M:%S} UTC"
+    facts["versions"] = ", ".join(f"{name} {number}" for name, number in info.versions.items()) or "unknown"
+    lines = "".join(f"<tr><td>{name}</td><td class='quiet'>{escape(fact)}</td></tr>" for name, fact in facts.items())
+    scenario = (
+        f"<details><summary>Scenario</summary><pre>{escape(info.scenario)}</pre></details>" if info.scenario else ""
+    )
+    return f'<h2>What ran</h2>{_revisions(run)}<table class="facts"><tbody>{lines}</tbody></table>{scenario}'
+
+
+def _revisions(run: Survey) -> str:
+    states = {state.revision: state for state in reversed(run.states)}
+    if not states:
+        return ""
+    head = "<th>revision</th><th>from</th><th>speed</th><th>axle load</th><th class='text'>tread damage</th>"
+    listed = sorted(states)[:MOST_STATES]
+    lines = "".join(
+        f"<tr><td>{revision}</td><td>{state.time:.4f} s</td><td>{3.6 * state.speed_set_point:.4g} km/h</td>"
+        f"<td>{state.axle_load / 1e3:.4g} kN</td><td class='text'>{_damage(state.damage)}</td></tr>"
+        for revision in listed
+        for state in [states[revision]]
+    )
+    more = (
+        f"<p class='quiet'>The first {MOST_STATES} of {len(states)} revisions.</p>" if len(states) > len(listed) else ""
+    )
+    table = f'<table id="revisions"><thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table>'
+    return f'<div class="list">{table}</div>{more}'
+
+
+def _damage(damage: Iterable[Mapping[str, float]]) -> str:
+    found = [
+        f"wheel {item['wheel']}: {2e3 * item['a']:.4g} × {2e3 * item['b']:.4g} mm, {1e3 * item['h']:.4g} mm deep, "
+        f"at {math.degrees(item['angle']):.4g}°" + (f", {1e3 * item['y']:+.4g} mm across" if item["y"] else "")
+        for item in damage
+    ]
+    return "<br>".join(found) or "none"
+
+
+def _around(time: float) -> tuple[float, float]:
+    return time - VIEW[0], time + VIEW[1]
+
+
+def _button(text: str, start: float, end: float) -> str:
+    return f'<button type="button" data-from="{start:.9g}" data-to="{end:.9g}">{text}</button>'

@@ -1,0 +1,282 @@
+"""All that the report needs of a run, from one pass through it: memory does not grow with its length."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from ..recording import Bag, RunInfo, State
+from ..scenario import Scenario, scenario_from
+from ..simulation.block import SampleBlock
+from ..simulation.impacts import Impact, ImpactDetector, ImpactSettings
+from ..simulation.summary import Summary, combine, summarise
+from ..structures.wheelset import load_wheelset
+from ..yaml12 import parse
+from .closeups import Closeup, Closeups
+from .envelope import Bins, Envelope
+from .published import LoadCase, published_case
+from .samples import Samples, joined, samples_of
+from .spectrum import Spectrum, Welch
+
+BEFORE, AFTER = 0.9, 1.8
+"""Track of a close-up before and after a peak, m: about one turn of the wheel."""
+BAYS = 3
+"""Length of the passage that the paper prints; the damage meets the rail in its middle, as in the studies."""
+ROUNDING = 1e-6
+"""Far below a step and far above the rounding of a position, m."""
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest contact force of a run."""
+
+    wheel: int
+    """0 or 1."""
+    step: int
+    time: float
+    """s"""
+    position: float
+    """m"""
+    force: float
+    """N"""
+    revision: int
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """The part of a run that is a load case of the paper."""
+
+    case: LoadCase
+    start: float
+    """m"""
+    end: float
+    """m"""
+    summary: Summary
+    samples: Samples
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """A run in bounded size."""
+
+    path: Path
+    info: RunInfo
+    scenario: Scenario | None
+    """At the start; None if the bag has none that this version can read."""
+    rolling_radius: float
+    """Of the wheels, m; NaN if unknown."""
+    states: tuple[State, ...]
+    start_ns: int
+    """Time stamp of step 0, ns since the epoch."""
+    nodes: tuple[str, ...]
+    steps: int
+    start: float
+    """Simulated time of the first sample, s."""
+    duration: float
+    """s"""
+    distance: float
+    """m"""
+    speeds: tuple[tuple[float, float], ...]
+    """Speed, m/s, from a time on, s."""
+    summary: Summary
+    passage: Passage | None
+    peak: Peak
+    bins: Bins
+    closeups: tuple[Closeup, ...]
+    """Around the largest forces, the largest first."""
+    spectrum: Spectrum | None
+    threshold: float
+    """Force that makes an impact, N; NaN if impacts are not looked for, because the wheel is unknown."""
+    impacts: tuple[Impact, ...]
+
+    @property
+    def wheel_load(self) -> float:
+        """Force of each wheel at rest, N; NaN if unknown, or if it changed during the run."""
+        loads = {state.axle_load for state in self.states} or {self.scenario.axle_load if self.scenario else math.nan}
+        return loads.pop() / 2 if len(loads) == 1 else math.nan
+
+    def scenario_in_force(self, revision: int) -> Scenario | None:
+        """Scenario of a revision; None if the bag has none that this version can read."""
+        texts = (state.scenario for state in self.states if state.revision == revision)
+        return _read(next(texts, self.info.scenario))
+
+
+def survey(path: Path, settings: ImpactSettings | None = None) -> Survey:
+    """Survey of a bag, with impacts as the settings say.
+
+    Raises RecordingError in one line if the bag is missing, damaged, has gaps or holds no run.
+    """
+    bag = Bag(path)
+    return survey_of(bag.events(), bag.info, bag.start_ns, bag.path, settings)
+
+
+def survey_of(
+    events: Iterable[SampleBlock | State],
+    info: RunInfo,
+    start_ns: int,
+    path: Path,
+    settings: ImpactSettings | None = None,
+) -> Survey:
+    """Survey of blocks without gaps, and states where they stand among them."""
+    collected: _Collected | None = None
+    states: list[State] = []
+    for event in events:
+        if isinstance(event, State):
+            states.append(event)
+            continue
+        collected = collected or _Collected(event, info, settings or ImpactSettings())
+        loads = (state.axle_load / 2 for state in reversed(states) if state.revision == event.revision)
+        collected.push(event, next(loads, collected.wheel_load))
+    assert collected is not None
+    return collected.survey(path, tuple(states), start_ns)
+
+
+class _Collected:
+    """What is kept while the blocks pass by."""
+
+    def __init__(self, first: SampleBlock, info: RunInfo, settings: ImpactSettings) -> None:
+        self._info, self._scenario = info, _read(info.scenario)
+        self._first = self._last = first
+        dx = first.speed * first.step_period
+        before, after = round(BEFORE / dx), round(AFTER / dx)
+        self._envelope = Envelope()
+        self._closeups = Closeups(before, after, late=after)
+        self._welch = Welch()
+        self._total: Summary | None = None
+        self._peak: Peak | None = None
+        self._speeds: list[tuple[float, float]] = []
+        self._duration = 0.0
+        passage = _passage(self._scenario, info.sleeper_spacing)
+        self._passage = passage if passage and first.position <= passage[1] + ROUNDING else None
+        self._passed: list[tuple[Summary, Samples]] = []
+        self._radius, self._threshold = _rolling_radius(self._scenario), math.nan
+        self._impacts: list[Impact] = []
+        self._detector: ImpactDetector | None = None
+        self.wheel_load = math.nan
+        if self._scenario and not math.isnan(self._radius):
+            self.wheel_load = self._scenario.wheel_load
+            self._threshold = settings.threshold
+            self._detector = ImpactDetector(
+                round(2 * math.pi * self._radius / dx),
+                round(self._scenario.reference_position / dx),
+                settings,
+            )
+
+    def push(self, block: SampleBlock, wheel_load: float) -> None:
+        samples, part = samples_of(block), summarise(block)
+        self._total = part if self._total is None else combine([self._total, part])
+        self._envelope.push(samples)
+        self._welch.push(block.speed, block.step_period, samples.values)
+        self._closeups.push(samples)
+        self._look_for_peak(block, samples)
+        if self._detector:
+            self._keep(self._detector.push(block, wheel_load))
+        if not self._speeds or self._speeds[-1][1] != block.speed:
+            self._speeds.append((block.time, block.speed))
+        self._duration += len(block) * block.step_period
+        self._collect_passage(block, samples)
+        self._last = block
+
+    def _keep(self, impacts: list[Impact]) -> None:
+        self._impacts += impacts
+        for impact in impacts:
+            self._closeups.peak(impact.step, impact.peak_force)
+
+    def _look_for_peak(self, block: SampleBlock, samples: Samples) -> None:
+        row, wheel = divmod(int(block.forces.argmax()), block.forces.shape[1])
+        force = float(block.forces[row, wheel])
+        if self._peak is None or force > self._peak.force:
+            step = block.first_step + row
+            where = float(samples.time[row]), float(samples.position[row])
+            self._peak = Peak(wheel, step, *where, force, block.revision)
+            self._closeups.peak(step, force)
+
+    def _collect_passage(self, block: SampleBlock, samples: Samples) -> None:
+        if self._passage is None:
+            return
+        _, first, last = self._passage
+        if block.revision:
+            self._passage = None
+            return
+        start, stop = np.searchsorted(samples.position, [first - ROUNDING, last - ROUNDING])
+        if stop > start:
+            cut = samples.between(samples.first_step + int(start), samples.first_step + int(stop))
+            whole = dataclasses.replace(
+                block,
+                first_step=cut.first_step,
+                time=float(cut.time[0]),
+                position=float(cut.position[0]),
+                forces=block.forces[start:stop],
+                stresses=block.stresses[start:stop],
+            )
+            self._passed.append((summarise(whole), cut))
+
+    def survey(self, path: Path, states: tuple[State, ...], start_ns: int) -> Survey:
+        if self._detector:
+            self._keep(self._detector.finish())
+        assert self._total is not None
+        assert self._peak is not None
+        first, last = self._first, self._last
+        dx = first.speed * first.step_period
+        steps = last.first_step + len(last) - first.first_step
+        end = last.position + (len(last) - 1) * dx
+        passage = None
+        if self._passage and self._passed and end >= self._passage[2] - ROUNDING:
+            summaries, samples = zip(*self._passed, strict=True)
+            passage = Passage(*self._passage, combine(summaries), joined(samples))
+        return Survey(
+            path=path,
+            info=self._info,
+            scenario=self._scenario,
+            rolling_radius=self._radius,
+            states=states,
+            start_ns=start_ns,
+            nodes=first.nodes,
+            steps=steps,
+            start=first.time,
+            duration=self._duration,
+            distance=steps * dx,
+            speeds=tuple(self._speeds),
+            summary=self._total,
+            passage=passage,
+            peak=self._peak,
+            bins=self._envelope.bins(),
+            closeups=tuple(self._closeups.found()),
+            spectrum=self._welch.spectrum(),
+            threshold=self._threshold,
+            impacts=tuple(sorted(self._impacts, key=lambda impact: impact.step)),
+        )
+
+
+def _read(text: str) -> Scenario | None:
+    try:
+        return scenario_from(parse(text, "scenario of the bag"))
+    except InputError:
+        return None
+
+
+def _rolling_radius(scenario: Scenario | None) -> float:
+    """m; NaN if the wheelset is in a file that is not here."""
+    try:
+        return load_wheelset(scenario.wheelset).wheel.rolling_radius if scenario else math.nan
+    except InputError:
+        return math.nan
+
+
+def _passage(scenario: Scenario | None, spacing: float) -> tuple[LoadCase, float, float] | None:
+    """What of a run the paper prints, from and to a position, m; None if it is another case.
+
+    The paper's damage meets the rail once, above a sleeper, and its maxima are those of three sleeper bays (Section
+    5.4). In a longer run the damage comes back at other places of the bay; these passages are not the paper's case.
+    """
+    case = published_case(scenario) if scenario else None
+    if scenario is None or case is None or math.isnan(spacing):
+        return None
+    first = scenario.reference_position - BAYS * spacing / 2
+    return case, first, first + BAYS * spacing
