@@ -17,6 +17,8 @@ setup(
         (SHARE, ["package.xml"]),
         (f"{SHARE}/launch", files("launch", "*.launch.py")),
         (f"{SHARE}/config", files("config", "*.yaml")),
+        (f"{SHARE}/config/layouts", files("config/layouts", "*")),
+        (f"{SHARE}/config/sros2", files("config/sros2", "*.xml")),
         ("lib/wheelset_track_sim", ["tools/node"]),
     ],
 )
