@@ -8,11 +8,12 @@ would keep pace if nothing were lost by pacing. ``keeps_pace`` then runs a fleet
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from wheelset_track_sim.commands.run import CHUNK
@@ -31,13 +32,13 @@ def library(wheelsets: int, *, threads: int = CORES, chunks: int = 20, rounds: i
         return max(wheelsets * simulated / _elapsed(fleet, chunks) for _ in range(rounds))
 
 
-def library_cost(wheelsets: Sequence[int], *, chunks: int = 10, rounds: int = 10) -> list[float]:
-    """Time for N wheelsets over N times that of one, on one thread, for each N: 1 if cost is linear."""
+def library_cost(wheelsets: Sequence[int], *, chunks: int = 20, rounds: int = 10) -> list[float]:
+    """Processor time for N wheelsets over N times that of one, on one thread, for each N: 1 if cost is linear."""
     fleets = [Fleet([load_scenario(SCENARIO)] * count, threads=1) for count in (1, *wheelsets)]
     for fleet in fleets:
         fleet.advance(CHUNK)
     # In turns, so that whatever else the machine does befalls all of them.
-    times = [[_elapsed(fleet, chunks) for fleet in fleets] for _ in range(rounds)]
+    times = [[_elapsed(fleet, chunks, time.process_time) for fleet in fleets] for _ in range(rounds)]
     one, *many = (min(column) for column in zip(*times, strict=True))
     return [found / (count * one) for count, found in zip(wheelsets, many, strict=True)]
 
@@ -51,6 +52,26 @@ def nodes(
     """
     short, long = (_processes(wheelsets, processes, cores, duration, record) for duration in span)
     return wheelsets * processes * (span[1] - span[0]) / (long - short)
+
+
+def node_cost(
+    wheelsets: int,
+    *,
+    cores: int = CORES,
+    parameters: Mapping[str, Any] | None = None,
+    span: tuple[float, float] = (2.0, 32.0),
+) -> float:
+    """Share of a core that each wheelset of one process takes in real time: processor time over simulated time."""
+
+    def spent(duration: float) -> float:
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        given = {"duration": duration, "real_time_factor": 0.0, **(parameters or {})}
+        assert _start(wheelsets, cores, given).wait() == 0
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    short, long = map(spent, span)
+    return (long - short) / (span[1] - span[0]) / wheelsets
 
 
 def keeps_pace(
@@ -95,11 +116,11 @@ def keeps_pace(
     return max(lag for at, lag in lags if at > seconds / 2)
 
 
-def _elapsed(fleet: Fleet, chunks: int) -> float:
-    started = time.perf_counter()
+def _elapsed(fleet: Fleet, chunks: int, clock: Callable[[], float] = time.perf_counter) -> float:
+    started = clock()
     for _ in range(chunks):
         fleet.advance(CHUNK)
-    return time.perf_counter() - started
+    return clock() - started
 
 
 def _processes(wheelsets: int, processes: int, cores: int, duration: float, record: str) -> float:
@@ -138,6 +159,11 @@ def main(cores: int = CORES) -> None:
         print(f"library: time for {count} wheelsets over {count} times that for 1: {ratio:.3f}")
     for count in (1, 2, 8, 32):
         print(f"library, fleet of {count}, {cores} threads: {library(count, threads=cores):.0f} in real time")
+    decimated = {"contact_forces.decimation": 10, "axle_stress.decimation": 10}
+    for count in (1, 8):
+        for what, parameters in (("full rate", {}), ("decimation 10", decimated)):
+            cost = node_cost(count, cores=cores, parameters=parameters)
+            print(f"node, fleet of {count}, {what}: each takes {100 * cost:.1f} % of a core in real time")
     for count in (1, 2, 8):
         print(f"node, fleet of {count} in one process, {cores} cores: {nodes(count, cores=cores):.1f} in real time")
     found = nodes(4, processes=cores, cores=cores)
