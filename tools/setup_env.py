@@ -24,6 +24,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 STAMPS = VENV / ".setup"
+ALWAYS = {"report"}
+"""Extras that `make demo` needs."""
 LOG = VENV / "setup.log"
 SUPPORTED = ((3, 12), (3, 11), (3, 13), (3, 10))
 PROBE = """
@@ -159,7 +161,7 @@ def packages(extras: list[str], sourced: bool) -> None:
     name = "packages"
     sources = [ROOT / "setup.cfg", ROOT / "setup.py", ROOT / "requirements"]
     before = read_stamp(name)
-    wanted = sorted({*extras, *before.get("extras", [])})
+    wanted = sorted({*ALWAYS, *extras, *before.get("extras", [])})
     key = digest(*sources, sourced)
     if before.get("key") == key and wanted == before["extras"]:
         return

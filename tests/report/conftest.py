@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelset_track_sim.recording import RunInfo, State
+from wheelset_track_sim.recording import BagWriter, RunInfo, State
 from wheelset_track_sim.report.survey import Survey, survey_of
 from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.block import SampleBlock
@@ -106,6 +106,24 @@ def survey_of_numbers(
     return survey_of(kept, info, 0, Path("run.mcap"), ImpactSettings(threshold))
 
 
+def bag_of_numbers(path: Path, scenario: str, length: float, spikes: Sequence[tuple[float, float]]) -> Path:
+    """Bag of the same."""
+    what = load_scenario(scenario)
+    info = RunInfo(what.name, what.to_yaml(), what.digest, 0.6)
+    with BagWriter(path, info, start_ns=0) as writer:
+        for event in events(what, length, spikes, 0, (), 1389):
+            if isinstance(event, State):
+                writer.write_state(event)
+            else:
+                writer.write(event)
+    return path
+
+
 @pytest.fixture
 def make_survey() -> Callable[..., Survey]:
     return survey_of_numbers
+
+
+@pytest.fixture(scope="session")
+def make_bag() -> Callable[..., Path]:
+    return bag_of_numbers

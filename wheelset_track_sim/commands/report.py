@@ -16,10 +16,10 @@ def report(bag: Path, out: Path | None, settings: ImpactSettings | None = None) 
     try:
         from ..report.page import write_report
     except ModuleNotFoundError as missing:
-        if missing.name != "bokeh":
+        if not (missing.name or "").startswith("bokeh"):
             raise
         raise InputError(
-            "the page needs bokeh, which is not here: run make setup, or pip install 'wheelset_track_sim[report]'"
+            "the page needs bokeh, which is not here: run make setup, or pip install bokeh"
         ) from None
     page = out or bag.with_suffix(".html")
     run = survey(bag, settings)

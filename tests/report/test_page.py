@@ -1,0 +1,152 @@
+"""What the page says, without a browser."""
+
+import re
+import sys
+from html.parser import HTMLParser
+
+import pytest
+
+from wheelset_track_sim.cli import main
+from wheelset_track_sim.errors import InputError
+
+pytest.importorskip("bokeh", reason="the page needs the extra report")
+
+from wheelset_track_sim.report.page import write_report
+
+
+class Page(HTMLParser):
+    """Text outside of scripts; checks that every element is closed."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.stack: list[str] = []
+        self.attributes: list[tuple[str, str | None]] = []
+        self.text: list[str] = []
+        self.feed(html)
+        self.close()
+        assert self.stack == []
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += attrs
+        if tag not in ("meta", "link", "br"):
+            self.stack.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.stack.pop() == tag
+
+    def handle_data(self, data):
+        if not {"script", "style"} & set(self.stack):
+            self.text.append(data)
+
+    @property
+    def words(self) -> str:
+        return " ".join(" ".join(self.text).split())
+
+
+@pytest.fixture
+def page_of(make_survey, tmp_path):
+    def page(*arguments, **options):
+        run = make_survey(*arguments, **options)
+        return Page(write_report(run, tmp_path / "new" / "page.html").read_text(encoding="utf-8"))
+
+    return page
+
+
+def test_it_says_what_ran_and_what_came_out(page_of):
+    words = page_of("damage_wheel_1", spikes=[(1.8, 300e3)]).words
+    for part in (
+        "100 km/h, axle load 20 t",
+        "300.0 kN",
+        "358 kN",
+        "Dynamic factor wheel 1 3.06",
+        "1 impact, a contact force above 200 kN",
+        "Contact pressure at the worst impact",
+        "wheel 1: 60 × 48 mm, 2 mm deep, at 0°",
+        "Every step is drawn.",
+        "Power spectral density at 100 km/h",
+        "digest",
+        "numba",
+    ):
+        assert part in words
+    assert re.search(r"peak pressure \d{4} MPa", words)
+
+
+def test_addresses_of_other_files_or_places_are_not_in_it(page_of):
+    attributes = page_of().attributes
+    addresses = [value for key, value in attributes if key in ("src", "href", "srcset", "action")]
+    assert addresses == ["data:,"]
+    policy = next(value for key, value in attributes if key == "content" and "default-src" in value)
+    assert policy.startswith("default-src 'none'")
+
+
+def test_without_impacts(page_of):
+    words = page_of("undamaged").words
+    assert "There is no impact: at no time was there a contact force above 200 kN." in words
+    assert "Contact pressure at the largest force" in words
+
+
+def test_many_impacts(page_of):
+    spikes = [(0.5 + 0.15 * number, 201e3 + 1e3 * number) for number in range(150)]
+    words = page_of("damage_both", length=25.0, spikes=spikes).words
+    assert "150 impacts, each a contact force above 200 kN. The 100 strongest are listed." in words
+    assert "250.0 kN" not in words
+    assert "251.0 kN" in words
+
+
+def test_changes_are_listed(page_of):
+    changes = [(3000, ["speed=30"]), (4000, ["speed=30", "axle_load=150000", "irregularities=[]"])]
+    words = page_of("damage_wheel_1", revisions=changes).words
+    assert "0 0.0000 s 100 km/h 196.2 kN wheel 1" in words
+    assert "1 0.1080 s 108 km/h 196.2 kN wheel 1" in words
+    assert "2 0.1413 s 108 km/h 150 kN none" in words
+
+
+def test_a_bag_of_an_unknown_scenario(page_of):
+    words = page_of(known=False, spikes=[(3.0, 300e3)]).words
+    assert "impacts are not looked for" in words
+    assert "300.0 kN" in words
+    assert "Contact pressure" not in words
+
+
+def test_a_run_too_short_for_a_spectrum(page_of):
+    assert "Spectra" not in page_of(length=0.1).words
+
+
+def test_names_are_shown_and_never_run(page_of):
+    name = "</script><script>alert(1)</script>"
+    page = page_of(name=name)
+    assert name in page.words
+
+
+def test_a_path_that_cannot_be_written(make_survey, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_report(make_survey(length=2.7), tmp_path / "file" / "out.html")
+
+
+def test_a_long_run_makes_a_small_page(make_survey, tmp_path):
+    spikes = [(1.8 + 2.713 * turn, 250e3 + 100.0 * turn) for turn in range(400)]
+    run = make_survey("damage_wheel_1", length=1200.0, spikes=spikes)
+    assert write_report(run, tmp_path / "page.html").stat().st_size < 7e6
+    assert len(run.impacts) == 400
+
+
+def test_without_bokeh_there_is_one_line(make_bag, tmp_path, monkeypatch, capsys):
+    bag = make_bag(tmp_path / "run.mcap", "undamaged", 1.0, ())
+    monkeypatch.delitem(sys.modules, "wheelset_track_sim.report.page")
+    monkeypatch.setitem(sys.modules, "bokeh", None)
+    monkeypatch.setitem(sys.modules, "bokeh.embed", None)
+    assert main(["report", str(bag)]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "the page needs bokeh, which is not here: run make setup, or pip install bokeh" in line
+
+
+def test_report_of_a_bag(make_bag, tmp_path, capsys):
+    bag = make_bag(tmp_path / "run.mcap", "damage_wheel_1", 6.0, [(1.8, 300e3), (4.513, 290e3)])
+    out = tmp_path / "page.html"
+    assert main(["report", str(bag), "--out", str(out), "--threshold", "295e3"]) == 0
+    assert "1 impact, a contact force above 295 kN" in Page(out.read_text()).words
+    assert "page.html" in capsys.readouterr().out
+    assert out.with_suffix(".png").exists()
+    assert main(["report", str(bag), "--threshold", "-1"]) == 2
+    assert "threshold = -1 N is out of range" in capsys.readouterr().err
