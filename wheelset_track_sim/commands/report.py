@@ -18,9 +18,7 @@ def report(bag: Path, out: Path | None, settings: ImpactSettings | None = None) 
     except ModuleNotFoundError as missing:
         if not (missing.name or "").startswith("bokeh"):
             raise
-        raise InputError(
-            "the page needs bokeh, which is not here: run make setup, or pip install bokeh"
-        ) from None
+        raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
     page = out or bag.with_suffix(".html")
     run = survey(bag, settings)
     console = Console()
