@@ -14,7 +14,7 @@ from types import FrameType
 from typing import NamedTuple
 
 import rclpy
-from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException
+from rclpy.exceptions import InvalidHandle, InvalidNamespaceException, InvalidNodeNameException
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.signals import SignalHandlerOptions
@@ -99,7 +99,8 @@ def _spinning(executor: MultiThreadedExecutor) -> Iterator[None]:
 
     def spin() -> None:
         while not done.is_set():
-            executor.spin_once(timeout_sec=1.0)
+            with suppress(InvalidHandle):  # of a publisher that a transition has taken away meanwhile
+                executor.spin_once(timeout_sec=1.0)
 
     thread = threading.Thread(target=spin, name="executor")
     thread.start()
