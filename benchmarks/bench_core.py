@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from conftest import Measure, group
 
-from wheelset_track_sim.commands.run import CHUNK
-from wheelset_track_sim.recording import BagWriter
-from wheelset_track_sim.recording.origin import run_info, state
+from wheelset_track_sim.commands.run import CHUNK, run
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.block import SampleBlock
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.simulation.summary import combine, summarise
 
 CASES = ("undamaged", "damage_wheel_1", "damage_both")
 BLOCKS = 10
@@ -44,21 +42,30 @@ def test_advance_without_stresses(measure: Measure) -> None:
 
 @group("core")
 @pytest.mark.parametrize("case", CASES)
-def test_run(measure: Measure, case: str) -> None:
-    """As the command does it: blocks and their summaries, maximum principal stresses among them."""
-    simulator = Simulator(load_scenario(case))
-    summaries = advancing(simulator, summarise)
-    measure(lambda: combine(summaries()), simulated=simulated(simulator), rounds=40)
+def test_run(record: Measure, case: str) -> None:
+    """The command, with summaries and their maximum principal stresses."""
+    record(lambda: by_command(case, None))
 
 
 @group("core")
 @pytest.mark.parametrize("case", CASES)
-def test_run_with_bag(measure: Measure, case: str, tmp_path: Path) -> None:
-    simulator = Simulator(load_scenario(case))
-    with BagWriter(tmp_path / "run.mcap", run_info(simulator), start_ns=0) as bag:
-        bag.write_state(state(simulator))
-        write = advancing(simulator, lambda block: (summarise(block), bag.write(block)))
-        measure(write, simulated=simulated(simulator), rounds=20)
+def test_run_with_bag(record: Measure, case: str, tmp_path: Path) -> None:
+    record(lambda: by_command(case, tmp_path / "run.mcap"))
+
+
+def by_command(case: str, out: Path | None, short: float = 1.0, long: float = 9.0, rounds: int = 6) -> dict[str, float]:
+    """Real-time factor by the difference of two durations, s, so that the start does not count."""
+
+    def spent(duration: float) -> float:
+        start = time.process_time()
+        assert run(case, [], duration, out, json=True) == 0
+        found = time.process_time() - start
+        if out is not None:
+            out.unlink()
+        return found
+
+    least = [min(spent(duration) for _ in range(rounds)) for duration in (short, long)]
+    return {"real_time_factor": (long - short) / (least[1] - least[0]), "simulated_s": long - short}
 
 
 @group("core")

@@ -54,7 +54,7 @@ def node_throughput(
     with ExitStack() as stack:
         if subscriber:
             listening = subprocess.Popen([sys.executable, "-c", SUBSCRIBER], env=environment, stdout=subprocess.PIPE)
-            stack.callback(listening.wait)
+            stack.enter_context(listening)
             stack.callback(listening.terminate)
             assert listening.stdout is not None
             listening.stdout.readline()
