@@ -41,6 +41,7 @@ def state_of_numbers(block: SampleBlock) -> State:
         time=block.time,
         step_period=block.step_period,
         speed=block.speed,
+        speed_set_point=30.0,
         position=block.position,
         revision=block.revision,
         axle_load=196200.0,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
@@ -32,11 +33,23 @@ class Output:
 
 
 @dataclass(frozen=True)
+class SetPoint:
+    """A speed that is approached from a time on."""
+
+    time: float = quantity("s", 0.0, 1e6, "the time since the start")
+    speed: float = quantity("m/s", 5.0, 100.0, "the speed that is approached")
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+@dataclass(frozen=True)
 class Scenario:
-    """A wheelset on a track at a speed, with its irregularities. SI units."""
+    """A wheelset on a track at a speed, or at several one after the other, with its irregularities. SI units."""
 
     name: str
     speed: float = quantity("m/s", 5.0, 100.0, "the running speed")
+    """At the start; changed during a run, the speed that is approached from then on."""
     axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together")
     dynamics: Literal["causal", "paper"] = "causal"
     """``causal``: modal state space, which streams; ``paper``: Green's functions as printed, the reference."""
@@ -49,6 +62,10 @@ class Scenario:
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
     )
+    acceleration: float = quantity("m/s^2", 0.01, 10.0, "the acceleration to a set point of the speed", default=0.5)
+    """Up and down. The default is what passenger trains do in ordinary service; an emergency brake has 1 to 2.5."""
+    speed_plan: tuple[SetPoint, ...] = ()
+    """Set points of the speed in the order of their times; a change of ``speed`` during the run ends the plan."""
     step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
 
     max_frequency: float | None = None
@@ -70,6 +87,14 @@ class Scenario:
             refusal = BAND.refusal("max_frequency", self.max_frequency)
             if refusal:
                 raise InputError(refusal)
+        for index, (before, after) in enumerate(pairwise(self.speed_plan)):
+            if after.time <= before.time:
+                raise InputError(
+                    f"speed_plan.{index + 1}.time = {after.time:g} s is not behind the {before.time:g} s of the set "
+                    f"point before: give times that increase"
+                )
+        if self.speed_plan and self.dynamics == "paper":
+            raise InputError("speed_plan cannot be followed in paper dynamics, whose speed is constant: use causal")
         known = LAG_ZERO[self.dynamics]
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
@@ -81,7 +106,7 @@ class Scenario:
 
     @property
     def step_period(self) -> float:
-        """Time of one step, s: ``dt = dx / v``."""
+        """Time of one step at ``speed``, s: ``dt = dx / v``."""
         return self.step_length / self.speed
 
     @property
@@ -93,6 +118,7 @@ class Scenario:
         """Plain mapping that ``scenario_from`` turns into an equal scenario."""
         plain = dataclasses.asdict(self)
         plain["irregularities"] = [{"type": kind.type, **dataclasses.asdict(kind)} for kind in self.irregularities]
+        plain["speed_plan"] = [dataclasses.asdict(point) for point in self.speed_plan]
         plain["output"] = {"stress_nodes": list(self.output.stress_nodes)}
         return plain
 

@@ -202,9 +202,13 @@ class SampledModel:
             rail_compliance=first,
         )
 
-    def at_speed(self, dynamics: Any, dx: float, speed: float, behind: float) -> Any:
+    def at_speed(self, dynamics: Any, step: int, dx: float, speed: float, behind: float) -> Any:
         """Refused as of the model."""
-        return self.model.at_speed(dynamics, dx, speed, behind)
+        return self.model.at_speed(dynamics, step, dx, speed, behind)
+
+    def prepare(self, dx: float, speed: float) -> None:
+        """As of the model."""
+        self.model.prepare(dx, speed)
 
 
 @contextmanager

@@ -45,25 +45,22 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
             writer = stack.enter_context(BagWriter(out, run_info(simulator), start_ns=0))
             writer.write_state(state(simulator))
         chunk = LONG_CHUNK if writer is None else CHUNK
-        steps = simulator.steps_per_revolution if duration is None else max(1, round(duration / what.step_period))
         watch = Watch(simulator)
         started = time.perf_counter()
         totals: Summary | None = None
-        done = 0
-        while done < steps:
-            block = simulator.advance(min(chunk, steps - done))
-            done += len(block)
+        while (left := steps_left(simulator, duration)) > 0:
+            block = simulator.advance(min(chunk, left))
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             if writer is not None:
                 seen = watch.push(block)
                 writer.write(block, summary=part, turn=seen.turn, impacts=seen.impacts)
-            progress(f"simulate {what.name}", done / steps)
+            progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
         if writer is not None:
             writer.write_impacts(watch.finish())
         wall = time.perf_counter() - started
     assert totals is not None
-    result = as_mapping(totals, steps * what.step_period, wall)
+    result = as_mapping(totals, simulator.time, wall)
     result |= {"scenario": what.name, "digest": simulator.digest}
     console = Console()
     if json:
@@ -71,6 +68,13 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
     else:
         console.print(table(result))
     return 0
+
+
+def steps_left(simulator: Simulator, duration: float | None) -> int:
+    """Steps to the end of the run at the speed in force: one turn of the wheel, or ``duration`` s and one at least."""
+    if duration is None:
+        return simulator.steps_per_revolution - simulator.next_step
+    return max(round((duration - simulator.time) / simulator.step_period), 1 - simulator.next_step)
 
 
 def as_mapping(totals: Summary, simulated: float, wall: float) -> dict[str, Any]:

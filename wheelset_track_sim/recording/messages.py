@@ -50,6 +50,8 @@ class State:
     """Simulated time of ``first_step``, s."""
     step_period: float
     speed: float
+    speed_set_point: float
+    """Speed that is approached, m/s."""
     position: float
     revision: int
     axle_load: float

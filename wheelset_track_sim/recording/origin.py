@@ -26,6 +26,7 @@ def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: 
     """What is simulated from the first step of ``block`` on, the latest block; without one, from the next step on."""
     scenario = simulator.in_force
     first_step = simulator.next_step if block is None else block.first_step
+    on = simulator.course.at(first_step)
     damage = tuple(
         {"wheel": WHEELS.index(breakout.on) + 1}
         | {name: value for name, value in asdict(breakout).items() if name in ("a", "b", "h", "angle", "y")}
@@ -33,9 +34,10 @@ def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: 
     )
     return State(
         first_step=first_step,
-        time=simulator.time if block is None else block.time,
-        step_period=scenario.step_period,
-        speed=scenario.speed,
+        time=simulator.course.time_of(first_step),
+        step_period=scenario.step_length / on.speed,
+        speed=on.speed,
+        speed_set_point=on.set_point,
         position=first_step * scenario.step_length,
         revision=simulator.revision,
         axle_load=scenario.axle_load,

@@ -69,7 +69,7 @@ class CausalModel:
         wheel = -load / poles - hold_coefficients(poles, dt)[1] * load
         even, odd = _halves(self, speed)
         place = step % len(even.input)
-        state = even.from_state @ self.track.symmetric.standing(place, wheel_load)
+        state = even.of_state(self.track.symmetric.standing(place, wheel_load))
         state -= hold_coefficients(even.poles, dt)[1] * even.input[place] * wheel_load
         track = state, np.zeros_like(odd.poles)
         wheels = (self.wheelset.outputs @ wheel).real
@@ -77,21 +77,35 @@ class CausalModel:
         return self._at(wheel, track, np.array([wheels, [rail, rail]]), dx, speed, speed)
 
     @on_one_core
-    def at_speed(self, dynamics: Causal, dx: float, speed: float, behind: float) -> Causal:
-        """Dynamics at another ``speed`` m/s, with the state of ``dynamics``.
+    def at_speed(self, dynamics: Causal, step: int, dx: float, speed: float, behind: float) -> Causal:
+        """Dynamics at another ``speed`` m/s, with the state of ``dynamics``, which has come to ``step``.
 
         For the one step at which the speed changes, ``behind`` is the speed with which that step was reached: what
-        its own force displaces belongs to the interval behind it, everything else to the one ahead.
+        its own force displaces belongs to the interval behind it, everything else to the one ahead. What is returned
+        then serves for that step alone, and has but its place of the bay.
         """
         before, after = _halves(self, dynamics.speed), _halves(self, speed)
         wheel = _unbanked(dynamics.wheels, len(self.wheelset.poles))
         states = [_unbanked(r, len(of.poles)) for r, of in zip(dynamics.track, before, strict=True)]
         if dynamics.speed != speed:
             states = [to.carried(old, r) for to, old, r in zip(after, before, states, strict=True)]
-        return self._at(wheel, states, dynamics.coming, dx, speed, behind)
+        crossing = None if behind == speed else _track_steps_at(self, [step], dx, speed, behind)
+        return self._at(wheel, states, dynamics.coming, dx, speed, behind, crossing)
+
+    @on_one_core
+    def prepare(self, dx: float, speed: float) -> None:
+        """Work out what every run at ``speed`` m/s needs, and keep it for a while: ``at_speed`` is short then."""
+        _track_steps(self, dx, speed)
 
     def _at(
-        self, wheel: Complex, track: Sequence[Complex], coming: Real, dx: float, speed: float, behind: float
+        self,
+        wheel: Complex,
+        track: Sequence[Complex],
+        coming: Real,
+        dx: float,
+        speed: float,
+        behind: float,
+        crossing: _TrackSteps | None = None,
     ) -> Causal:
         dt = dx / speed
         poles, inputs, outputs = self.wheelset.poles, self.wheelset.inputs, self.wheelset.outputs
@@ -100,7 +114,7 @@ class CausalModel:
         summed, groups = self.stress_output.shape[1], -(-len(self.stress_output) // 4)
         stress_direct = (self.stress_output @ (b1[:summed, np.newaxis] * inputs[:summed])).real
         gains = ((a * b1 + b0)[:, np.newaxis] * inputs).T
-        track_steps = _track_steps(self, dx, speed, behind)
+        track_steps = crossing or _track_steps(self, dx, speed)
         halves = [np.stack([r, factor]) for r, factor in zip(track, track_steps.factors, strict=True)]
         return Causal(
             wheels=_banked(np.stack([wheel, a, *gains, *outputs])),
@@ -118,13 +132,13 @@ class CausalModel:
         )
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def _halves(model: CausalModel, speed: float) -> tuple[HalfModes, HalfModes]:
     return model.track.symmetric.modes(speed), model.track.antisymmetric.modes(speed)
 
 
 class _TrackSteps(NamedTuple):
-    """Coefficients of a step of the track at a speed."""
+    """Coefficients of steps of the track at L places of the bay."""
 
     factors: tuple[Complex, ...]  # (Q,) of each half
     places: Real  # as in ``Causal``
@@ -132,21 +146,25 @@ class _TrackSteps(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def _track_steps(model: CausalModel, dx: float, speed: float, behind: float) -> _TrackSteps:
-    """Step of both halves: ``r <- a r + input F`` with ``input = a b1 s + b0 s``, b1 of the interval behind.
+def _track_steps(model: CausalModel, dx: float, speed: float) -> _TrackSteps:
+    """All places at one speed; kept, because wheelsets that run side by side share what is large."""
+    return _track_steps_at(model, range(len(model.track.symmetric.input)), dx, speed, speed)
 
-    Kept, because wheelsets that run side by side share what is large, the places.
-    """
+
+def _track_steps_at(model: CausalModel, steps: Sequence[int], dx: float, speed: float, behind: float) -> _TrackSteps:
+    """Step of both halves: ``r <- a r + input F`` with ``input = a b1 s + b0 s``, b1 of the interval behind."""
+    bay = len(model.track.symmetric.input)
+    here, next_one = np.array(steps) % bay, (np.array(steps) + 1) % bay
     factors, places, at_once = [], [], 0.0
     for ahead, back, half in zip(_halves(model, speed), _halves(model, behind), model.track.halves, strict=True):
         a = np.exp(ahead.poles * (dx / speed))
-        held = hold_coefficients(back.poles, dx / behind)[1] * back.input
-        at_once = at_once + ((back.output * held).real.sum(axis=1) + half.residual) / 2
-        if ahead is not back:
+        held = hold_coefficients(back.poles, dx / behind)[1] * back.input[here]
+        at_once = at_once + ((back.output[here] * held).real.sum(axis=1) + half.residual[here]) / 2
+        if behind != speed:
             held = ahead.carried(back, held)
-        into = a * held + hold_coefficients(ahead.poles, dx / speed)[0] * ahead.input
+        into = a * held + hold_coefficients(ahead.poles, dx / speed)[0] * ahead.input[here]
         factors.append(a)
-        places.append(np.stack([into, np.roll(ahead.output, -1, axis=0)], axis=1))
+        places.append(np.stack([into, ahead.output[next_one]], axis=1))
     return _TrackSteps(tuple(factors), _banked(_side_by_side(places)), np.asarray(at_once))
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +15,10 @@ from .models import Models
 
 Real = NDArray[np.float64]
 
+AHEAD = 2
+"""Coming speeds whose coefficients are worked out while steps are taken."""
+_POOL = ThreadPoolExecutor(max_workers=AHEAD, thread_name_prefix="speeds-ahead")
+
 
 class Coupled:
     """The coupled system, stepped under a condition at a speed; its state carries over exactly from one to the next."""
@@ -21,6 +28,7 @@ class Coupled:
         self._models = models
         self._dynamics = models.dynamics.start(wheel_load, step, models.step_length, speed)
         self._speed = self._speed_behind = speed
+        self._ahead: dict[float, Future[None]] = {}
         self._next = step
         self._xi = np.empty((0, 2, 2))
 
@@ -34,11 +42,13 @@ class Coupled:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
         return self._xi
 
-    def run(self, condition: Condition, speed: float, steps: int) -> tuple[Real, Real]:
+    def run(self, condition: Condition, speed: float, steps: int, ahead: Sequence[float] = ()) -> tuple[Real, Real]:
         """Forces (n, 2) N and stress components (n, S) Pa of the next ``steps`` steps at ``speed`` m/s.
 
-        They are fewer if a contact problem has no solution behind them; ContactError is raised if it is the first.
+        ``ahead`` are the speeds that come next. The steps are fewer if a contact problem has no solution behind them;
+        ContactError is raised if it is the first.
         """
+        self._make_ready(speed, ahead)
         forces = np.empty((steps, 2))
         stress = np.empty((steps, len(self._models.dynamics.stress_rows)))
         xi = np.empty((steps, 2, 2))
@@ -65,6 +75,16 @@ class Coupled:
         self._xi = xi[:done]
         return forces[:done], stress[:done]
 
+    def _make_ready(self, speed: float, ahead: Sequence[float]) -> None:
+        """Wait for the coefficients of ``speed`` if they are under way, have those of coming ones begun.
+
+        It changes no result: what is not ready is worked out when it is needed.
+        """
+        if speed in self._ahead:
+            self._ahead[speed].result()
+        prepare, dx = self._models.dynamics.prepare, self._models.step_length
+        self._ahead = {coming: self._ahead.get(coming) or _POOL.submit(prepare, dx, coming) for coming in ahead}
+
     def _set_speed(self, speed: float, done: int, stop: int) -> int:
         """Coefficients for ``speed``; the one step at which it changes has its own, and is run alone."""
         if speed == self._speed == self._speed_behind:
@@ -73,7 +93,9 @@ class Coupled:
         self._speed_behind = self._speed if changes else speed
         self._speed = speed
         models = self._models
-        self._dynamics = models.dynamics.at_speed(self._dynamics, models.step_length, speed, self._speed_behind)
+        self._dynamics = models.dynamics.at_speed(
+            self._dynamics, self._next, models.step_length, speed, self._speed_behind
+        )
         return done + 1 if changes else stop
 
     def _refuse(self, condition: Condition, xi: Real) -> None:

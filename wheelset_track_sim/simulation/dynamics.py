@@ -34,6 +34,13 @@ class DynamicsModel(Protocol):
         """Dynamics at ``speed`` m/s at ``step``, at rest or in steady running under ``wheel_load`` N on both wheels."""
         ...
 
-    def at_speed(self, dynamics: Any, dx: float, speed: float, behind: float) -> Any:
-        """Dynamics with the state of ``dynamics`` at another ``speed`` m/s; ``behind`` is that of the last interval."""
+    def at_speed(self, dynamics: Any, step: int, dx: float, speed: float, behind: float) -> Any:
+        """Dynamics with the state of ``dynamics`` at another ``speed`` m/s; ``behind`` is that of the last interval.
+
+        Where they differ, what is returned serves for ``step`` alone.
+        """
+        ...
+
+    def prepare(self, dx: float, speed: float) -> None:
+        """Work out ahead of time what ``at_speed`` takes long for; from any thread, and without effect on results."""
         ...

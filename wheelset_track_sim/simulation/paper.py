@@ -98,9 +98,12 @@ class PaperModel:
             rail_compliance=tables.rail_compliance,
         )
 
-    def at_speed(self, dynamics: Paper, dx: float, speed: float, behind: float) -> Paper:
+    def at_speed(self, dynamics: Paper, step: int, dx: float, speed: float, behind: float) -> Paper:
         """Raises ValueError: a moving Green's function is that of one speed."""
         raise ValueError(f"moving Green's functions at {behind:g} m/s do not serve at {speed:g} m/s")
+
+    def prepare(self, dx: float, speed: float) -> None:
+        """Nothing: there is no other speed."""
 
     def _wheel_static(self) -> Real:
         return np.asarray(self.wheelset.static_receptance().sum(axis=1))

@@ -14,9 +14,10 @@ from ..scenario import Scenario
 from .block import COMPONENTS, SampleBlock
 from .changes import Changes, Condition
 from .changes import Revision as Revision
-from .coupled import Coupled
+from .coupled import AHEAD, Coupled
 from .finite import require_finite
 from .models import Models, load_models
+from .speed import Course, Stretch
 
 Progress = Callable[[str, float], None]
 
@@ -24,8 +25,8 @@ SETTLING = 1.0
 """Time of smooth running before step 0, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the difference
 between standing and running, which is itself below 1 % of the static load."""
 
-CHANGEABLE = ("name", "speed", "axle_load", "irregularities")
-"""Scenario keys that may change during a run."""
+CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities")
+"""Scenario keys that may change during a run; the models do not depend on them."""
 
 
 class Simulator:
@@ -41,6 +42,7 @@ class Simulator:
         ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs.
         """
         self._models: Models = models or load_models(scenario, progress)
+        self._plan = scenario.speed_plan
         settling = round(SETTLING / scenario.step_period)
         smooth = Condition(Revision(0, 0), scenario, self._models.contact_law(()), self._preload_for(scenario))
         self._coupled = Coupled(self._models, scenario.wheel_load, -settling, scenario.speed)
@@ -48,7 +50,8 @@ class Simulator:
         self._changes = Changes(smooth, self._models.tread_origin)
         law = self._models.contact_law(scenario.irregularities, progress)
         self._changes.add(scenario, law, smooth.preload, number=0)
-        self._base = (0, 0.0)  # a step and its time, from which the time adds up
+        standing = Course((Stretch(0, 0.0, scenario.speed, scenario.speed),), scenario.step_length)
+        self._course = standing.redirected(0, scenario.speed, scenario.acceleration, scenario.speed_plan)
 
     @property
     def scenario(self) -> Scenario:
@@ -78,18 +81,22 @@ class Simulator:
     @property
     def time(self) -> float:
         """Simulated time of the next sample since step 0, s."""
-        step, time = self._base
-        return time + (self.next_step - step) * self.step_period
+        return self._course.time_of(self.next_step)
+
+    @property
+    def course(self) -> Course:
+        """The speed from the latest block on."""
+        return self._course
 
     @property
     def speed(self) -> float:
-        """Speed in force, m/s."""
-        return self.in_force.speed
+        """Speed of the next sample, m/s."""
+        return self._course.at(self.next_step).speed
 
     @property
     def step_period(self) -> float:
-        """Time of one step at the speed in force, s."""
-        return self.in_force.step_period
+        """Time of one step at that speed, s."""
+        return self.in_force.step_length / self.speed
 
     @property
     def steps_per_revolution(self) -> int:
@@ -117,13 +124,20 @@ class Simulator:
         """Accept a changed scenario whole, or raise InputError and go on as before.
 
         It comes into force between two blocks, at the first step at which no irregularity that changes is in the
-        contact patch; after one turn of the wheel at the latest.
+        contact patch; after one turn of the wheel at the latest. There the ramp to a changed ``speed`` begins, which
+        then ends the speed plan for good; without the plan in ``scenario`` it ends at an unchanged ``speed``, too.
         """
         newest = self._changes.newest
         current = newest.scenario
         for field in dataclasses.fields(Scenario):
             if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
+        if scenario.speed_plan not in ((), self._plan):
+            raise InputError(
+                "speed_plan cannot change during a run: give speed, which ends the plan, or start a new run"
+            )
+        if scenario.speed != current.speed or not current.speed_plan:
+            scenario = dataclasses.replace(scenario, speed_plan=())
         if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
         same = scenario.irregularities == current.irregularities
@@ -131,7 +145,7 @@ class Simulator:
         return self._changes.add(scenario, law, self._preload_for(scenario))
 
     def advance(self, steps: int) -> SampleBlock:
-        """The next ``steps`` samples, or fewer where a change comes into force behind them.
+        """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
 
         Raises ContactError with step and inputs if a contact problem has no solution; samples solved before that
         step are returned first.
@@ -142,18 +156,20 @@ class Simulator:
         if self.time + steps * self.step_period > longest:
             raise InputError(f"{self.in_force.dynamics} dynamics runs for {longest:g} s at most: use causal for longer")
         self._install_due()
-        condition, first, time = self._changes.in_force, self.next_step, self.time
-        scenario = condition.scenario
-        forces, stress = self._coupled.run(condition, scenario.speed, self._changes.claim(first + steps) - first)
+        condition, first = self._changes.in_force, self.next_step
+        scenario, on = condition.scenario, self._course.at(first)
+        end = self._changes.claim(min(first + steps, self._course.border(first)))
+        ahead = [stretch.speed for stretch in self._course.ahead(first)[:AHEAD]]
+        forces, stress = self._coupled.run(condition, on.speed, end - first, ahead)
         require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
         stresses[self._models.dynamics.stress_rows] = stress.T
         return SampleBlock(
             first_step=first,
-            time=time,
-            step_period=self.step_period,
-            speed=self.speed,
+            time=self._course.time_of(first),
+            step_period=scenario.step_length / on.speed,
+            speed=on.speed,
             position=first * scenario.step_length,
             revision=condition.revision.number,
             forces=forces,
@@ -168,7 +184,11 @@ class Simulator:
         return displaced + approach_for_force(smooth, 0, 0, 0, load)
 
     def _install_due(self) -> None:
-        before, time = self.speed, self.time
+        """Conditions that are due, and the course from here on if it is another one."""
+        before = self.in_force
         for condition in self._changes.due(self.next_step):
-            if condition.scenario.speed != before:
-                self._base = (self.next_step, time)
+            now = condition.scenario
+            if any(getattr(now, key) != getattr(before, key) for key in ("speed", "acceleration", "speed_plan")):
+                set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed
+                self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)
+            before = now

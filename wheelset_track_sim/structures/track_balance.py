@@ -71,34 +71,52 @@ class HalfTrack:
 
     def modes(self, speed: float) -> HalfModes:
         """The same half track in modes of the moving frame at ``speed`` (m/s)."""
-        poles, right = np.linalg.eig(self.rate + speed * self.rate_of_speed)
-        left = np.linalg.inv(right)
+        poles, shapes = np.linalg.eig(self.rate + speed * self.rate_of_speed)
         kept = poles.imag >= 0.0  # of a conjugate pair one, with twice the output
-        weight = np.where(poles[kept].imag > 0.0, 2.0, 1.0)
-        return HalfModes(
-            poles=poles[kept],
-            input=np.asarray(self.input @ left[kept].T),
-            output=(self.output @ right[:, kept]) * weight,
-            to_state=right[:, kept] * weight,
-            from_state=left[kept],
-        )
+        poles, shapes = poles[kept].astype(np.complex128), shapes[:, kept]
+        shapes = np.where(poles.imag > 0.0, 2.0, 1.0) * shapes
+        to_state = np.concatenate([shapes.real, -shapes.imag[:, poles.imag > 0.0]], axis=1)
+        return HalfModes.of(poles, to_state, self.input, self.output)
 
 
 @dataclass(frozen=True, eq=False)
 class HalfModes:
-    """``r' = poles r + input(X) F``, ``xi = Re(output(X) r)``; ``z = Re(to_state r)`` and ``r = from_state z``."""
+    """``r' = poles r + input(X) F``, ``xi = Re(output(X) r)``.
+
+    Both ways between modes and states are products of real matrices, a quarter of the work of complex ones: they take
+    and give the real parts of all modes, and the imaginary parts of those whose pole has one.
+    """
 
     poles: Complex  # (P,) rad/s in the moving frame
     input: Complex  # (L, P)
     output: Complex  # (L, P)
-    to_state: Complex  # (n, P)
-    from_state: Complex  # (P, n)
+    to_state: Real  # (n, n)
+    from_state: Real  # (n, n)
+
+    @classmethod
+    def of(cls, poles: Complex, to_state: Real, inputs: Real, outputs: Real) -> HalfModes:
+        """Modes from their poles and ``to_state``, with inputs and outputs (L, n) of the state."""
+        from_state: Real = np.asarray(np.linalg.inv(to_state), dtype=np.float64)
+        return cls(
+            poles=poles,
+            input=_modes(inputs @ from_state.T, poles),
+            output=_modes(outputs @ to_state, poles).conj(),
+            to_state=to_state,
+            from_state=from_state,
+        )
+
+    def of_state(self, z: Real) -> Complex:
+        """Modes (..., P) in a state ``z`` (..., n)."""
+        return _modes(z @ self.from_state.T, self.poles)
+
+    def in_state(self, r: Complex) -> Real:
+        """State (..., n) in which the modes are ``r`` (..., P)."""
+        parts = np.concatenate([r.real, r.imag[..., self.poles.imag > 0.0]], axis=-1)
+        return np.asarray(parts @ self.to_state.T)
 
     def carried(self, other: HalfModes, r: Complex) -> Complex:
         """Modes (..., P) of this speed in the state that is ``r`` (..., P) in those of the ``other``."""
-        state = (r @ other.to_state.T).real
-        carried: Complex = state @ self.from_state.T
-        return carried
+        return self.of_state(other.in_state(r))
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +207,13 @@ def gramian(poles: Complex, inputs: Complex) -> Real:
     real, imaginary = (conjugate + plain).real, (conjugate - plain).real
     mixed = (plain - conjugate).imag
     return np.block([[real, mixed], [mixed.T, imaginary]]) / 2.0
+
+
+def _modes(parts: Real, poles: Complex) -> Complex:
+    """Modes (..., P) from the real parts of all and the imaginary parts of those whose pole has one, (..., n)."""
+    modes = parts[..., : len(poles)].astype(np.complex128)
+    modes.imag[..., poles.imag > 0.0] = parts[..., len(poles) :]
+    return modes
 
 
 def _root(gram: Real) -> Real:

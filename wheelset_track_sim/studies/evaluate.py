@@ -6,6 +6,7 @@ import dataclasses
 import threading
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from ..scenario import WHEELS, Scenario
 from ..simulation.block import SampleBlock
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
-from ..simulation.summary import summarise
+from ..simulation.summary import Summary, combine, summarise
 from ..stress.principal import maximum_principal
 from .outputs import value_of
 
@@ -97,19 +98,24 @@ def evaluate(job: Job, made_for: str) -> Result:
             f"this worker has another program ({__version__}): install the same version everywhere"
         )
     simulator = Simulator(job.scenario, models=models(job.scenario))
-    if job.first_step:
-        simulator.advance(job.first_step)
-    block = simulator.advance(job.samples)
-    if len(block) < job.samples:
-        simulator.advance(job.samples - len(block))  # raises: the step behind the block has no solution
-    summary = summarise(block)
+    while simulator.next_step < job.first_step:
+        simulator.advance(job.first_step - simulator.next_step)
+    summaries: list[Summary] = []
+    histories: dict[str, list[Real]] = {name: [] for name in job.histories}
+    arrays: dict[str, Real] = {}
+    end = job.first_step + job.samples
+    while simulator.next_step < end:  # a change of speed ends a block
+        block = simulator.advance(end - simulator.next_step)
+        summaries.append(summarise(block))
+        for name, parts in histories.items():
+            parts.append(history(name, simulator, block))
+        for name in job.pressures:
+            arrays |= pressure(name, simulator, block, arrays.get(f"{name}.at"))
+    summary = combine(summaries)
     values = {name: value_of(summary, name) for name in job.outputs}
-    arrays: dict[str, Real] = {name: history(name, simulator, block) for name in job.histories}
-    if arrays:
-        steps = np.arange(block.first_step, block.first_step + len(block), dtype=np.float64)
-        arrays["position"] = steps * job.scenario.step_length
-    for name in job.pressures:
-        arrays |= pressure(name, simulator, block)
+    if histories:
+        arrays |= {name: np.concatenate(parts) for name, parts in histories.items()}
+        arrays["position"] = np.arange(job.first_step, end, dtype=np.float64) * job.scenario.step_length
     return Result(values, arrays)
 
 
@@ -118,12 +124,22 @@ def models(scenario: Scenario) -> Models:
 
     Only the smooth tread has contact tables: a defect that passes once is solved faster than tabulated.
     """
-    common = dataclasses.replace(scenario, name="any", speed=25.0, axle_load=2e5, irregularities=()).digest
+    common = dataclasses.replace(scenario, **ANY).digest
     if getattr(_kept, "common", None) != common:
         _kept.models, _kept.common = load_models(scenario, tables="smooth"), common
     kept: Models = _kept.models
     return kept
 
+
+ANY: dict[str, Any] = {
+    "name": "any",
+    "speed": 25.0,
+    "acceleration": 1.0,
+    "speed_plan": (),
+    "axle_load": 2e5,
+    "irregularities": (),
+}
+"""Values for the keys on which models do not depend."""
 
 _kept = threading.local()
 
@@ -148,14 +164,21 @@ def history(name: str, simulator: Simulator, block: SampleBlock) -> Real:
     return heights
 
 
-def pressure(name: str, simulator: Simulator, block: SampleBlock) -> dict[str, Real]:
-    """Contact pressure at one instant of the latest block."""
+def pressure(name: str, simulator: Simulator, block: SampleBlock, found: Real | None) -> dict[str, Real]:
+    """Contact pressure at one instant, if it is in the latest block.
+
+    ``found`` is position and force of the largest one in the blocks before, if there were any.
+    """
     wheel_name, instant = name.split(".")
     wheel = WHEELS.index(wheel_name)
     if instant == "reference":
         row = simulator.models.tread_origin - block.first_step
+        if not 0 <= row < len(block):
+            return {}
     else:
         row = int(block.forces[:, wheel].argmax())
+        if found is not None and block.forces[row, wheel] <= found[1]:
+            return {}
     patch = simulator.contact_patch(wheel, row)
     position = block.position + row * simulator.in_force.step_length
     return {
