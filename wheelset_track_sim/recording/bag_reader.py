@@ -119,7 +119,8 @@ class Bag:
                 kinds = _topics(_summary(reader))
                 if not kinds:
                     continue
-                for _, channel, message in reader.iter_messages(topics=[*kinds], log_time_order=False):
+                # In the order of time, which is that of the file: without it mcap reads all before it yields the first.
+                for _, channel, message in reader.iter_messages(topics=[*kinds]):
                     kind = kinds[channel.topic]
                     yield kind, channel.topic, deserialise(kind, message.data)
 
