@@ -123,15 +123,18 @@ def test_refused_parameters_leave_the_stream_as_it_was(start, client):
 def test_accepted_parameters_are_one_revision(start, client):
     forces = client.collect("contact_forces", "ContactForces")
     states = client.collect("state", "SimulationState", latched=True)
-    start(scenario="undamaged")
+    start(scenario="undamaged", acceleration=10.0)
     client.until(lambda: forces)
     changes = {"speed": 20.0, "axle_load": 180e3, "wheel_2__damage__h": 0.001, "wheel_2__damage__angle": 1.0}
     assert client.set(atomically=True, **changes).successful
     assert client.get("speed", "wheel_2.damage.h") == [20.0, 0.001]
-    client.until(lambda: forces[-1].revision == 1 and states[-1].revision == 1)
+    client.until(lambda: forces[-1].speed == 20.0 and states[-1].revision == 1)
     assert_gap_free(forces)
     changed = [chunk for chunk in forces if chunk.revision == 1]
-    assert {chunk.speed for chunk in changed} == {20.0}
+    speeds = [chunk.speed for chunk in changed]
+    assert speeds == sorted(speeds, reverse=True)
+    assert (speeds[0], speeds[-1]) == (load_scenario("undamaged").speed, 20.0)
+    assert (states[-1].speed, states[-1].speed_set_point) == (speeds[0], 20.0)
     assert {chunk.speed for chunk in forces if chunk.revision == 0} == {load_scenario("undamaged").speed}
     assert states[-1].first_step == changed[0].first_step
     assert states[-1].axle_load == 180e3

@@ -198,8 +198,10 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def _deliver(self, block: SampleBlock, timing: Timing) -> None:
         """In the stream's thread: record and publish a chunk, and before it the state if it has changed."""
         messages = chunk_messages(block, self._start_ns, real_time_factor=timing.real_time_factor, lag=timing.lag)
-        if self._simulator is not None and (self._state is None or self._state.revision != block.revision):
-            self._tell(state(self._simulator, block), RUNNING, timing)
+        if self._simulator is not None:
+            told = self._state and (self._state.revision, self._state.speed_set_point)
+            if told != (block.revision, self._simulator.course.at(block.first_step).set_point):
+                self._tell(state(self._simulator, block), RUNNING, timing)
         self._record(messages)
         self._outputs.publish_chunk(block, messages, self._start_ns)
 

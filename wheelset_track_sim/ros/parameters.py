@@ -26,7 +26,7 @@ START_UP = {
     "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
     "record.on_start": (False, "Record from the start of the run on"),
 }
-SCENARIO_NUMBERS = ("speed", "axle_load")
+SCENARIO_NUMBERS = ("speed", "acceleration", "axle_load")
 DECIMATED = ("contact_forces", "axle_stress")
 """Topics that may be decimated."""
 OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
@@ -96,7 +96,9 @@ class Parameters:
         """Scenario and pace with ``changes`` made, all checked; raises InputError that names the parameter."""
         names = [*values_of(self._file), *(field.name for field in dataclasses.fields(Pace))]
         values = {name: self[name] for name in names} | dict(changes)
-        return with_values(self._file, values), pace_of(values)
+        # a speed that is set ends the plan of the scenario file, also if it is the one that the file begins with
+        base = dataclasses.replace(self._file, speed_plan=()) if "speed" in changes else self._file
+        return with_values(base, values), pace_of(values)
 
     def decimation(self, changes: Values) -> dict[str, int]:
         """Steps from sample to sample of each topic in ``DECIMATED`` with ``changes`` made."""
