@@ -17,6 +17,7 @@ import wheelset_track_sim
 ROOT = Path(__file__).resolve().parent.parent
 SCENARIOS = {path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml")}
 MESSAGES = {path.name for path in (ROOT / "msg_defs").glob("*/*") if path.suffix in {".msg", ".srv"}}
+REPORT = {path.name for path in (ROOT / "wheelset_track_sim" / "report").iterdir() if path.suffix in {".css", ".js"}}
 
 
 @pytest.fixture
@@ -79,7 +80,7 @@ def test_wheel_holds_real_copies(tree, tmp_path):
     assert {name.split("/")[-1] for name in names if "/data/msg_defs/" in name} == MESSAGES
     sources = {str(path.relative_to(tree)) for path in (tree / "wheelset_track_sim").rglob("*.py")}
     assert {name for name in names if name.startswith("wheelset_track_sim/") and name.endswith(".py")} == sources
-    assert "wheelset_track_sim/py.typed" in names
+    assert {"wheelset_track_sim/py.typed", *(f"wheelset_track_sim/report/{name}" for name in REPORT)} <= set(names)
 
 
 @pytest.mark.slow

@@ -73,7 +73,13 @@ def time_plots(run: Survey) -> LayoutDOM:
     if len(run.speeds) > 1:
         speed = _over_time("speed (km/h)", time, 180)
         since, speeds = zip(*run.speeds, strict=True)
-        speed.step([*since, end], [3.6 * value for value in (*speeds, speeds[-1])], mode="after", color=COLOURS[3])
+        speed.step(
+            [*since, end],
+            [3.6 * value for value in (*speeds, speeds[-1])],
+            mode="after",
+            color=COLOURS[3],
+            line_width=2,
+        )
         plots.append(speed)
     for plot in plots:
         for state in [state for state in run.states if state.revision][:MOST_CHANGES]:
