@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from wheelset_track_sim import shipped
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import Scenario, load_scenario, override, scenario_from
+from wheelset_track_sim.scenario import Scenario, SetPoint, load_scenario, override, scenario_from
 from wheelset_track_sim.yaml12 import parse
 
 
@@ -33,6 +33,14 @@ def test_overrides_reach_into_lists() -> None:
     assert scenario.speed == 30.0
 
 
+def test_speed_plans_are_lists_like_others() -> None:
+    scenario = load_scenario("line_speeds", ["speed_plan.1.speed=20", "speed_plan.0.time=5"])
+    assert [(point.time, point.speed) for point in scenario.speed_plan] == [(5.0, 61.1111111), (125.0, 20.0)]
+    assert load_scenario("undamaged", ["speed_plan=[{time: 3, speed: 20}]"]).speed_plan == (SetPoint(3.0, 20.0),)
+    with pytest.raises(InputError, match="speed = 3 m/s"):
+        SetPoint(0.0, 3.0)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -51,6 +59,14 @@ def test_overrides_reach_into_lists() -> None:
         ("speed.now=30", ["speed"]),
         ("speed", ["key=value"]),
         ("name=", ["name"]),
+        ("acceleration=0", ["acceleration = 0 m/s^2", "from 0.01 to 10 m/s^2"]),
+        ("acceleration=.inf", ["acceleration", "not finite"]),
+        ("speed_plan=30", ["speed_plan", "not a list"]),
+        ("speed_plan=[{time: 1}]", ["speed_plan.0.speed is missing"]),
+        ("speed_plan=[{time: 1, speed: 300}]", ["speed_plan.0.speed = 300 m/s", "from 5 to 100 m/s"]),
+        ("speed_plan=[{time: -1, speed: 30}]", ["speed_plan.0.time = -1 s"]),
+        ("speed_plan=[{time: .nan, speed: 30}]", ["speed_plan.0.time", "not finite"]),
+        ("speed_plan=[{time: 2, speed: 30}, {time: 2, speed: 20}]", ["speed_plan.1.time = 2 s", "increase"]),
     ],
 )
 def test_bad_changes_are_refused_by_name(change: str, words: list[str]) -> None:

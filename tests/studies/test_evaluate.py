@@ -1,0 +1,59 @@
+"""Runs of studies that are cut by a change of speed."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from wheelset_track_sim.scenario import SetPoint, load_scenario
+from wheelset_track_sim.simulation.simulator import Simulator
+from wheelset_track_sim.simulation.summary import summarise
+from wheelset_track_sim.studies.evaluate import Job, Result, evaluate, program
+
+PLAN = (SetPoint(0.04, 28.6), SetPoint(0.065, 27.0))
+
+
+def job() -> Job:
+    scenario = load_scenario("damage_wheel_1", ["acceleration=10", "irregularities.0.h=0.0003"])
+    return Job(
+        dataclasses.replace(scenario, speed_plan=PLAN),
+        models="shipped",
+        before=1.0,
+        after=1.0,
+        outputs=("wheels.wheel_1.max_force", "nodes.A1.max_principal"),
+        histories=("forces", "displacements"),
+        pressures=("wheel_1.reference", "wheel_1.max_force"),
+    )
+
+
+@pytest.fixture(scope="module")
+def found() -> Result:
+    return evaluate(job(), program())
+
+
+def test_histories_go_through_a_change_of_speed(found: Result) -> None:
+    one = job()
+    simulator = Simulator(one.scenario)
+    blocks = []
+    while simulator.next_step < one.first_step + one.samples:
+        blocks.append(simulator.advance(one.first_step + one.samples - simulator.next_step))
+    assert len({block.speed for block in blocks if block.first_step > one.first_step}) == 3
+    forces = np.concatenate([block.forces for block in blocks])[one.first_step :]
+    # the study has the defect solved, not tabulated
+    assert found.arrays["forces"] == pytest.approx(forces, rel=1e-3, abs=100.0)
+    assert found.arrays["displacements"].shape == (one.samples, 2, 2)
+    assert np.diff(found.arrays["position"]) == pytest.approx(np.full(one.samples - 1, 1e-3))
+    last = [block for block in blocks if block.first_step >= one.first_step]
+    largest = max(summarise(block).nodes[0].max_principal for block in last)
+    assert found.values["nodes.A1.max_principal"] == pytest.approx(largest, rel=1e-3)
+
+
+def test_pressures_are_of_the_whole_run(found: Result) -> None:
+    force = found.arrays["forces"][:, 0]
+    position, largest = found.arrays["wheel_1.max_force.at"]
+    assert largest == pytest.approx(force.max(), rel=1e-6)
+    assert position == pytest.approx(found.arrays["position"][force.argmax()])
+    assert found.values["wheels.wheel_1.max_force"] == force.max()
+    position, at_reference = found.arrays["wheel_1.reference.at"]
+    assert position == pytest.approx(1.8)
+    assert at_reference == pytest.approx(force[1000], rel=1e-6)
