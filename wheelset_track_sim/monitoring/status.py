@@ -138,6 +138,13 @@ def pace_status(pace: PaceFigures, limits: Limits) -> Status:
     )
 
 
+def recording_status(path: str, lost: Exception | None) -> Status:
+    """Status of the bag: ``path`` of the one that is open, or empty; ``lost`` is what ended one before its time."""
+    if lost is not None:
+        return Status("recording", Level.ERROR, f"ended before its time: {lost}")
+    return Status("recording", Level.OK, f"to {path}" if path else "none")
+
+
 def _level(value: float, warn: float, error: float) -> Level:
     if value > error:
         return Level.ERROR

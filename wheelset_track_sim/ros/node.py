@@ -16,12 +16,15 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..errors import RecordingError, WheelsetTrackError
-from ..recording.messages import State, chunk_messages, state_message
+from ..monitoring.status import recording_status
+from ..recording.messages import State, chunk_messages, impact_message, state_message
 from ..recording.origin import state
 from ..simulation.block import SampleBlock
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from ..simulation.streaming import Stream, Timing
+from ..simulation.summary import summarise
+from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
 from .recorder import Recorder
@@ -40,7 +43,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     """A wheelset on a track that publishes contact forces and axle stresses while it runs.
 
     Configuring builds or loads the models, activating streams, deactivating pauses (the bag stays open), cleaning up
-    frees the models and closes the bag. Topics are in ``outputs``, parameters in ``parameters``.
+    frees the models and closes the bag. Topics are in ``outputs`` and ``monitoring``, parameters in ``parameters``.
     """
 
     def __init__(
@@ -69,6 +72,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._start_ns = 0
         self._outputs = Outputs(self, self.parameters.decimation({}))
         self._recorder = Recorder(self.get_fully_qualified_name())
+        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self._recorder.path, self.lost))
         self.add_on_set_parameters_callback(self._on_parameters)
 
     def autostart(self) -> None:
@@ -127,6 +131,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 if isinstance(refusal, RecordingError):
                     self.lost = refusal
                 self.get_logger().error(str(refusal))
+                self._monitoring.fail(str(refusal))
                 return FAILURE
             except Exception:
                 self.get_logger().fatal(traceback.format_exc())
@@ -144,6 +149,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             if stage not in stages:
                 stages.add(stage)
                 self.get_logger().info(stage)
+            self._monitoring.building(stage, fraction)
 
         simulator = Simulator(scenario, progress, self._models.models(scenario, progress))
         with self._lock:
@@ -151,6 +157,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 simulator.apply(self._scenario)
             self._simulator = simulator
         self._start_ns = self.get_clock().now().nanoseconds
+        self._monitoring.begin(simulator, self._pace.real_time_factor)
         self._outputs.create(simulator.scenario.output.stress_nodes)
         LifecycleNodeMixin.on_configure(self, previous)
         self._tell(state(simulator), PAUSED)
@@ -170,6 +177,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             f"streaming {simulator.scenario.name} from step {simulator.next_step} at {simulator.speed:g} m/s"
             + (f", recording to {self._recorder.path}" if self._recorder.path else "")
         )
+        self._monitoring.run()
         self._stream = Stream(simulator, self._pace, self._deliver, self._on_end)
         self._stream.start()
 
@@ -177,18 +185,20 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._stop_stream()
         if self._simulator is not None and self._state is not None and self._state.status != FAILED:
             self._tell(state(self._simulator), PAUSED)
+            self._monitoring.pause("paused")
         LifecycleNodeMixin.on_deactivate(self, previous)
 
     def _release(self, previous: LifecycleState | None) -> None:
         self._stop_stream()
         with self._lock:
             self._simulator = None
-        self._outputs.finish()
+        self._finish()
         self._outputs.destroy()
         path = self._recorder.path
         self._recorder.stop()
         if path:
             self.get_logger().info(f"recorded {path}")
+        self._monitoring.end()
 
     def _stop_stream(self) -> None:
         stream, self._stream = self._stream, None
@@ -197,7 +207,17 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
     def _deliver(self, block: SampleBlock, timing: Timing) -> None:
         """In the stream's thread: record and publish a chunk, and before it the state if it has changed."""
-        messages = chunk_messages(block, self._start_ns, real_time_factor=timing.real_time_factor, lag=timing.lag)
+        summary = summarise(block)
+        seen = self._monitoring.push(block, summary, timing)
+        messages = chunk_messages(
+            block,
+            self._start_ns,
+            real_time_factor=timing.real_time_factor,
+            lag=timing.lag,
+            summary=summary,
+            turn=seen.turn,
+        )
+        messages += [impact_message(impact, self._start_ns) for impact in seen.impacts]
         if self._simulator is not None:
             told = self._state and (self._state.revision, self._state.speed_set_point)
             if told != (block.revision, self._simulator.course.at(block.first_step).set_point):
@@ -228,15 +248,23 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             with suppress(RecordingError):
                 self._recorder.stop()
 
+    def _finish(self) -> None:
+        """Tell what filters and detectors hold back, at the end of a run."""
+        impacts = [impact_message(impact, self._start_ns) for impact in self._monitoring.finish()]
+        self._record(impacts)
+        self._outputs.publish(impacts)
+        self._outputs.finish()
+
     def _on_end(self, failure: Exception | None) -> None:
         """In the stream's thread: the run is over by itself, or the simulation cannot go on."""
-        self._outputs.finish()
+        self._finish()
         if failure is None:
             self._end(None)
             return
         self.get_logger().error(f"the simulation stopped: {failure!r}")
         if self._simulator is not None:
             self._tell(state(self._simulator), FAILED, message=str(failure))
+        self._monitoring.fail(str(failure))
         with suppress(RecordingError):
             self._recorder.stop()
         if self._pace.duration > 0 or not isinstance(failure, WheelsetTrackError):
@@ -248,6 +276,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             try:
                 changes = {item.name: item.value for item in parameters}
                 scenario, pace = self.parameters.changed(changes)
+                watching = self.parameters.watching(changes)
                 if scenario != self._scenario and self._simulator is not None:
                     revision = self._simulator.apply(scenario)
                     self.get_logger().info(f"revision {revision.number} from step {revision.step}")
@@ -255,6 +284,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 return SetParametersResult(successful=False, reason=str(refusal))
             self._scenario = scenario
             self._outputs.decimation = self.parameters.decimation(changes)
+            self._monitoring.change(watching, pace.real_time_factor)
             if pace != self._pace:
                 self._pace = pace
                 if self._stream is not None:

@@ -17,7 +17,7 @@ from .conversions import message_type
 
 
 class Outputs:
-    """Publishers of one run: ``contact_forces``, ``axle_stress/*``, ``summary``, and ``state`` for late subscribers.
+    """Publishers of one run: ``contact_forces``, ``axle_stress/*``, ``summary``, ``impacts``, and a latched ``state``.
 
     Forces and stresses may be decimated, each by a factor of its own; the summary is always of every step.
     """
@@ -33,7 +33,8 @@ class Outputs:
 
     def create(self, stress_nodes: Sequence[str]) -> None:
         """Make the publishers; those of the stream publish while the node is active."""
-        kinds = {"contact_forces": "ContactForces", "summary": "LoadSummary", "state": "SimulationState"}
+        kinds = {"contact_forces": "ContactForces", "summary": "LoadSummary"}
+        kinds |= {"impacts": "WheelImpact", "state": "SimulationState"}
         kinds |= {stress_topic(name): "AxleStress" for name in stress_nodes}
         for topic, kind in kinds.items():
             latched = topic in LATCHED_TOPICS

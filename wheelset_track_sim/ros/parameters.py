@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -12,9 +13,11 @@ from rclpy.node import Node
 
 from ..errors import InputError
 from ..irregularities import Breakout
+from ..monitoring.limits import Limits
 from ..scenario import WHEELS, Scenario, load_scenario
 from ..schema import Quantity, quantity_of
 from ..simulation.decimation import FACTOR
+from ..simulation.impacts import ImpactSettings
 from ..simulation.pacing import Pace
 
 SIZE_C = {"a": 0.030, "b": 0.024, "h": 0.0, "angle": 0.0, "y": 0.0}
@@ -25,7 +28,11 @@ START_UP = {
     "record.directory": ("recordings", "Folder in which bags are written"),
     "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
     "record.on_start": (False, "Record from the start of the run on"),
+    "prometheus.address": ("127.0.0.1", "Address on which metrics are served; 0.0.0.0 is all of this machine"),
 }
+PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
+WATCHED = {"impact": ImpactSettings, "diagnostics": Limits}
+"""What is watched, by the first part of the names of its parameters."""
 SCENARIO_NUMBERS = ("speed", "acceleration", "axle_load")
 DECIMATED = ("contact_forces", "axle_stress")
 """Topics that may be decimated."""
@@ -69,6 +76,14 @@ def pace_of(values: Values) -> Pace:
     return Pace(**{field.name: values[field.name] for field in dataclasses.fields(Pace)})
 
 
+@dataclass(frozen=True)
+class Watching:
+    """What is worth telling."""
+
+    impact: ImpactSettings
+    limits: Limits
+
+
 class Parameters:
     """The parameters that a node declares, and what they describe."""
 
@@ -84,9 +99,16 @@ class Parameters:
             quantity = quantity_of(Pace, field.name)
             self._declare(field.name, field.default, _number(quantity, read_only=field.name == "duration"))
         for topic in DECIMATED:
-            self._declare(f"{topic}.decimation", 1, _steps(f"Steps from sample to sample of {topic}: 1 is full rate"))
+            self._declare(
+                f"{topic}.decimation", 1, _whole(FACTOR, f"Steps from sample to sample of {topic}: 1 is full rate")
+            )
+        for prefix, kind in WATCHED.items():
+            for field in dataclasses.fields(kind):
+                self._declare(f"{prefix}.{field.name}", field.default, _number(quantity_of(kind, field.name)))
+        self._declare("prometheus.port", 0, _whole(PORT, PORT.meaning.rstrip(","), read_only=True))
         self._warn_of_unknown()
         self.changed({})
+        self.watching({})
 
     def __getitem__(self, name: str) -> Any:
         """Value of a parameter."""
@@ -99,6 +121,17 @@ class Parameters:
         # a speed that is set ends the plan of the scenario file, also if it is the one that the file begins with
         base = dataclasses.replace(self._file, speed_plan=()) if "speed" in changes else self._file
         return with_values(base, values), pace_of(values)
+
+    def watching(self, changes: Values) -> Watching:
+        """What is worth telling with ``changes`` made, all checked; raises InputError that names the parameter."""
+        made = []
+        for prefix, kind in WATCHED.items():
+            names = {field.name: f"{prefix}.{field.name}" for field in dataclasses.fields(kind)}
+            try:
+                made.append(kind(**{key: changes.get(name, self[name]) for key, name in names.items()}))
+            except InputError as refusal:
+                raise InputError(f"{prefix}.{refusal}") from None
+        return Watching(*made)
 
     def decimation(self, changes: Values) -> dict[str, int]:
         """Steps from sample to sample of each topic in ``DECIMATED`` with ``changes`` made."""
@@ -144,9 +177,9 @@ def _number(quantity: Quantity, *, read_only: bool = False) -> ParameterDescript
     )
 
 
-def _steps(description: str) -> ParameterDescriptor:
-    limits = IntegerRange(from_value=int(FACTOR.low), to_value=int(FACTOR.high))
-    return ParameterDescriptor(description=description, integer_range=[limits])
+def _whole(quantity: Quantity, description: str, *, read_only: bool = False) -> ParameterDescriptor:
+    limits = IntegerRange(from_value=int(quantity.low), to_value=int(quantity.high))
+    return ParameterDescriptor(description=description, read_only=read_only, integer_range=[limits])
 
 
 def _overrides(node: Node) -> Iterable[str]:
