@@ -45,7 +45,7 @@ def state_of_numbers(block: SampleBlock) -> State:
         position=block.position,
         revision=block.revision,
         axle_load=196200.0,
-        damage=({"wheel": 1, "a": 0.03, "b": 0.024, "h": 0.002, "angle": 0.5, "y": -0.001},),
+        damage=({"wheel": 1, "kind": 0, "a": 0.03, "b": 0.024, "h": 0.002, "angle": 0.5, "y": -0.001},),
         scenario_name="undamaged",
         scenario=f"name: undamaged  # Ångström\nspeed: {block.speed}\n",
         digest="0123abcd",

@@ -61,3 +61,10 @@ def test_heights_that_are_not_finite_are_refused():
 
     with pytest.raises(InputError, match="not finite"):
         tread_heights([Broken(half_length=0.01)], "wheel_1", N_C, DX, Y)
+
+
+def test_depths_that_add_up_beyond_the_limit_are_refused():
+    deep = dataclasses.replace(SIZE_A, h=0.010)
+    assert tread_heights([deep, deep], "wheel_1", N_C, DX, Y).min() == -0.020
+    with pytest.raises(InputError, match=r"tread of wheel_1 is 0\.021 m deep where irregularities overlap: .* 0\.02 m"):
+        tread_heights([deep, deep, SIZE_A], "wheel_1", N_C, DX, Y)

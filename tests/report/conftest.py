@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.recording import BagWriter, RunInfo, State
+from wheelset_track_sim.recording.damage import damage_fields
 from wheelset_track_sim.report.survey import Survey, survey_of
 from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.block import SampleBlock
@@ -27,17 +28,7 @@ def state(what: Scenario, step: int, time: float, revision: int) -> State:
         position=step * DX,
         revision=revision,
         axle_load=what.axle_load,
-        damage=tuple(
-            {
-                "wheel": 1 + (item.on == "wheel_2"),
-                "a": item.a,
-                "b": item.b,
-                "h": item.h,
-                "angle": item.angle,
-                "y": item.y,
-            }
-            for item in what.irregularities
-        ),
+        damage=damage_fields(what.irregularities),
         scenario_name=what.name,
         scenario=what.to_yaml(),
         digest=what.digest,

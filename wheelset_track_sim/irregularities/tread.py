@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 
+DEEPEST = 0.020
+"""Greatest depth of all irregularities together, m: the contact area, and with it the work, grows with it."""
+
 
 class TreadIrregularity(Protocol):
     """Deviation of a tread over a limited length around a centre."""
@@ -44,8 +47,8 @@ def tread_heights(
     """Sum of the heights on ``wheel``, (steps around the circumference, len(y)), m, negative where material is missing.
 
     The centre of each irregularity falls on the step nearest to its angle, so that its shape is sampled alike
-    wherever it sits; it wraps around the circumference. Raises InputError for one longer than the circumference or
-    for heights that are not finite.
+    wherever it sits; it wraps around the circumference. Raises InputError for one longer than the circumference,
+    for heights that are not finite, and where all together are deeper than ``DEEPEST``.
     """
     heights = np.zeros((rolling_circumference_steps, len(y)))
     for irregularity in irregularities:
@@ -63,4 +66,9 @@ def tread_heights(
         heights[rows] += irregularity.height(offset[:, None] * dx, y[None, :])
     if not np.isfinite(heights).all():
         raise InputError(f"tread heights of {wheel} are not finite: give finite irregularities")
+    if -heights.min() > DEEPEST:
+        raise InputError(
+            f"tread of {wheel} is {-heights.min():.3g} m deep where irregularities overlap: "
+            f"give depths that add up to {DEEPEST:g} m at most"
+        )
     return heights

@@ -104,13 +104,17 @@ class Bag:
             raise self._nothing()
 
     def _stress_topics(self) -> list[str]:
-        with _reading(self.files[0]) as reader:
-            summary = _summary(reader)
-            return [
-                channel.topic
-                for _, channel in sorted(summary.channels.items())
-                if summary.schemas[channel.schema_id].name == f"{PACKAGE}/msg/AxleStress"
-            ]
+        for file in self.files:
+            with _reading(file) as reader:
+                summary = _summary(reader)
+                found = [
+                    channel.topic
+                    for _, channel in sorted(summary.channels.items())
+                    if summary.schemas[channel.schema_id].name == f"{PACKAGE}/msg/AxleStress"
+                ]
+                if found or "ContactForces" in _topics(summary).values():
+                    return found
+        return []
 
     def _messages(self) -> Iterator[tuple[str, str, Any]]:
         """Short type name, topic and message, in the order of the files."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from .. import __version__
 from ..errors import InputError, RecordingError
@@ -18,7 +18,7 @@ from ..simulation.turns import NO_TURN, TurnPeaks
 from .definitions import full_name, schema
 from .mcap_file import McapFile
 from .messages import Message, State, chunk_messages, impact_message, state_message
-from .rosbag2_metadata import LATCHED_TOPICS, Topic, channel_metadata, write_folder_metadata
+from .rosbag2_metadata import LATCHED_TOPICS, Part, Topic, channel_metadata, write_folder_metadata
 from .run_info import METADATA_NAME, RunInfo
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ CHUNK_PERIOD_NS = 100_000_000
 class BagWriter:
     """One bag while it is written; a context manager that leaves a readable bag, also after an exception.
 
-    A path that ends in ``.mcap`` is one file, any other a bag folder with ``metadata.yaml``. An exception before the
-    first message leaves nothing behind.
+    A path that ends in ``.mcap`` is one file, any other a bag folder with ``metadata.yaml`` and files that ``split``
+    begins, each of which can be read alone. An exception before the first message leaves nothing behind.
     """
 
     def __init__(self, path: str | Path, info: RunInfo, *, start_ns: int, prefix: str = PREFIX) -> None:
@@ -44,28 +44,30 @@ class BagWriter:
         self.path = Path(path)
         self.start_ns = start_ns
         self.prefix = prefix.rstrip("/")
+        self._info = info
         self._folder = None if self.path.suffix == ".mcap" else self.path
-        self._file = self.path if self._folder is None else self.path / f"{self.path.name}_0.mcap"
-        self._topics: dict[str, tuple[int, Topic]] = {}
-        self._schemas: dict[str, int] = {}
-        self._first_ns = self._last_ns = self._chunk_ns = start_ns
+        self._topics: dict[str, Topic] = {}
+        self._parts: list[Part] = []
+        self._chunk_ns = self._last_ns = start_ns
         self._open = True
         try:
             if self._folder is None:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
             else:
                 self._folder.mkdir(parents=True)
-            self._stream = self._file.open("xb")
+            self._begin()
         except OSError as reason:
-            if self.path.exists():
+            if isinstance(reason, FileExistsError) and self.path.exists():
                 refusal = f"{self.path} exists already: give another path, or remove it first"
             else:
                 why = "not a folder on the way" if isinstance(reason, FileExistsError) else reason.strerror
                 refusal = f"{self.path} cannot be written ({why}): give a path in a folder that can be written"
             raise InputError(refusal) from None
-        self._mcap = McapFile(self._stream, "ros2", f"wheelset_track_sim {__version__}")
-        self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
-        self._write_folder_metadata()
+
+    @property
+    def file(self) -> Path:
+        """The file at hand."""
+        return self.path if self._folder is None else self._folder / self._parts[-1].name
 
     def __enter__(self) -> Self:
         return self
@@ -122,6 +124,28 @@ class BagWriter:
         except OSError as reason:
             raise self._refused(reason) from reason
 
+    def split(self) -> Path:
+        """Finish the file at hand and go on in the next one of the folder, which is returned.
+
+        Raises InputError, and goes on as before, if the bag is no folder or the file at hand is empty; RecordingError
+        if the disk refuses.
+        """
+        if not self._open:
+            raise RecordingError(f"{self.path} is closed: nothing more can be recorded in it")
+        if self._folder is None:
+            raise InputError(f"{self.path} is a single file, which cannot be split: record into a folder")
+        if self._parts[-1].count == 0:
+            raise InputError(f"{self.file} holds nothing yet: split it later")
+        before, stream = self._mcap, self._stream
+        try:
+            with stream:
+                before.finish()
+            self._begin()
+        except OSError as reason:
+            self._open = False
+            raise self._refused(reason) from reason
+        return self.file
+
     def close(self) -> None:
         """Finish the bag; closing again does nothing. Raises RecordingError if the disk refuses."""
         if not self._open:
@@ -134,30 +158,44 @@ class BagWriter:
         except OSError as reason:
             raise self._refused(reason) from reason
 
+    def _begin(self) -> None:
+        """Begin the next file; raises OSError."""
+        name = self.path.name if self._folder is None else f"{self.path.name}_{len(self._parts)}.mcap"
+        self._stream: BinaryIO = (self.path if self._folder is None else self._folder / name).open("xb")
+        self._parts.append(Part(name, self._last_ns, self._last_ns))
+        self._mcap = McapFile(self._stream, "ros2", f"wheelset_track_sim {__version__}")
+        self._mcap.add_metadata(METADATA_NAME, self._info.to_metadata())
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        self._write_folder_metadata()
+
     def _add(self, message: Message) -> None:
-        channel, topic = self._topics.get(message.topic) or self._register(message)
-        if not any(topic.count for _, topic in self._topics.values()):
-            self._first_ns = message.stamp_ns
+        channel = self._channels.get(message.topic) or self._register(message)
+        topic = self._topics[message.topic]
         self._last_ns = max(self._last_ns, message.stamp_ns)
         self._mcap.add_message(channel, message.stamp_ns, topic.count, message.cdr)
         topic.count += 1
+        self._parts[-1].add(message.stamp_ns)
 
-    def _register(self, message: Message) -> tuple[int, Topic]:
+    def _register(self, message: Message) -> int:
+        """Number of a topic in the file at hand."""
         kind = message.kind
         if kind not in self._schemas:
             self._schemas[kind] = self._mcap.add_schema(full_name(kind), "ros2msg", schema(kind).encode())
-        topic = Topic(f"{self.prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
+        topic = self._topics.get(message.topic)
+        if topic is None:
+            topic = Topic(f"{self.prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
+            self._topics[message.topic] = topic
         channel = self._mcap.add_channel(topic.name, "cdr", self._schemas[kind], channel_metadata(topic))
-        self._topics[message.topic] = channel, topic
-        return channel, topic
+        self._channels[message.topic] = channel
+        return channel
 
     def _write_folder_metadata(self) -> None:
         if self._folder is not None:
-            topics = [topic for _, topic in self._topics.values()]
-            write_folder_metadata(self._folder, self._file, topics, self._first_ns, self._last_ns)
+            write_folder_metadata(self._folder, self._parts, [*self._topics.values()])
 
     def _remove(self) -> None:
-        self._file.unlink(missing_ok=True)
+        self.file.unlink(missing_ok=True)
         if self._folder is not None:
             (self._folder / "metadata.yaml").unlink(missing_ok=True)
             self._folder.rmdir()

@@ -16,10 +16,10 @@ from ..simulation.block import COMPONENTS, SampleBlock
 from ..simulation.impacts import Impact
 from ..simulation.summary import Summary, statistics, summarise
 from ..simulation.turns import NO_TURN, TurnPeaks
+from .damage import FIELDS
 from .definitions import serialise
 
 FRAME = "track"
-DAMAGE_FIELDS = ("wheel", "a", "b", "h", "angle", "y")
 NANOSECOND = 1e-9
 
 
@@ -56,7 +56,7 @@ class State:
     revision: int
     axle_load: float
     damage: tuple[Mapping[str, float], ...]
-    """Fields of ``TreadDamage``: wheel (1 or 2), a, b, h, angle, y."""
+    """Fields of ``TreadDamage``: wheel (1 or 2), kind, a, b, h, angle, y."""
     scenario_name: str
     scenario: str
     """The scenario in force as YAML."""
@@ -153,7 +153,7 @@ def block_of(forces: Any, stresses: list[Any]) -> SampleBlock:
 def state_of(message: Any) -> State:
     """State from a deserialised SimulationState."""
     fields = {name: getattr(message, name) for name in State.__dataclass_fields__ if name != "damage"}
-    damage = tuple({name: getattr(item, name) for name in DAMAGE_FIELDS} for item in message.damage)
+    damage = tuple({name: getattr(item, name) for name in FIELDS} for item in message.damage)
     return State(**fields, damage=damage)
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
-from ..scenario import WHEELS
 from ..simulation.block import SampleBlock
 from ..simulation.simulator import Simulator
+from .damage import damage_fields
 from .messages import State
 from .run_info import RunInfo
 
@@ -27,11 +25,6 @@ def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: 
     scenario = simulator.in_force
     first_step = simulator.next_step if block is None else block.first_step
     on = simulator.course.at(first_step)
-    damage = tuple(
-        {"wheel": WHEELS.index(breakout.on) + 1}
-        | {name: value for name, value in asdict(breakout).items() if name in ("a", "b", "h", "angle", "y")}
-        for breakout in scenario.irregularities
-    )
     return State(
         first_step=first_step,
         time=simulator.course.time_of(first_step),
@@ -41,7 +34,7 @@ def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: 
         position=first_step * scenario.step_length,
         revision=simulator.revision,
         axle_load=scenario.axle_load,
-        damage=damage,
+        damage=damage_fields(scenario.irregularities),
         scenario_name=scenario.name,
         scenario=scenario.to_yaml(),
         digest=simulator.digest,

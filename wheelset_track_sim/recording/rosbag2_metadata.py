@@ -29,6 +29,22 @@ class Topic:
     count: int = 0
 
 
+@dataclass
+class Part:
+    """One file of a bag, and the time stamps of its messages, ns."""
+
+    name: str
+    first_ns: int
+    last_ns: int
+    count: int = 0
+
+    def add(self, stamp_ns: int) -> None:
+        """Count a message."""
+        self.first_ns = min(self.first_ns, stamp_ns) if self.count else stamp_ns
+        self.last_ns = max(self.last_ns, stamp_ns) if self.count else stamp_ns
+        self.count += 1
+
+
 def quality_of_service(latched: bool) -> list[dict[str, Any]]:
     """Offered profiles of a topic; rosbag2 wants every field, in lower case."""
     return [
@@ -56,17 +72,16 @@ def _profiles(latched: bool) -> str:  # YAML takes 6 ms a topic
     return dump(quality_of_service(latched)).strip()
 
 
-def write_folder_metadata(folder: Path, file: Path, topics: Sequence[Topic], first_ns: int, last_ns: int) -> None:
-    """Write ``metadata.yaml`` of a bag folder with one file; the old one stays until the new one is complete."""
-    count = sum(topic.count for topic in topics)
-    start = {"nanoseconds_since_epoch": first_ns}
-    duration = {"nanoseconds": last_ns - first_ns}
+def write_folder_metadata(folder: Path, parts: Sequence[Part], topics: Sequence[Topic]) -> None:
+    """Write ``metadata.yaml`` of a bag folder with its files; the old one stays until the new one is complete."""
+    told = [part for part in parts if part.count] or parts[:1]
+    first_ns, last_ns = min(part.first_ns for part in told), max(part.last_ns for part in told)
     information = {
         "version": VERSION,
         "storage_identifier": "mcap",
-        "duration": duration,
-        "starting_time": start,
-        "message_count": count,
+        "duration": {"nanoseconds": last_ns - first_ns},
+        "starting_time": {"nanoseconds_since_epoch": first_ns},
+        "message_count": sum(part.count for part in parts),
         "topics_with_message_count": [
             {
                 "topic_metadata": {
@@ -82,9 +97,15 @@ def write_folder_metadata(folder: Path, file: Path, topics: Sequence[Topic], fir
         ],
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": [file.name],
+        "relative_file_paths": [part.name for part in parts],
         "files": [
-            {"path": file.name, "starting_time": dict(start), "duration": dict(duration), "message_count": count}
+            {
+                "path": part.name,
+                "starting_time": {"nanoseconds_since_epoch": part.first_ns},
+                "duration": {"nanoseconds": part.last_ns - part.first_ns},
+                "message_count": part.count,
+            }
+            for part in parts
         ],
         "custom_data": None,
         "ros_distro": "jazzy",
