@@ -58,6 +58,11 @@ def test_any_chunk_length_gives_the_same_bits_through_a_ramp(whole: list[SampleB
     assert times[1] == pytest.approx(times[0], rel=1e-14)
 
 
+def test_what_is_worked_out_ahead_changes_no_bit(whole: list[SampleBlock], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wheelset_track_sim.simulation.simulator.AHEAD", 0)
+    assert np.array_equal(joined(eventful(1389)), joined(whole))
+
+
 def test_time_and_position_add_up(whole: list[SampleBlock]) -> None:
     speeds = [block.speed for block in whole]
     assert len(set(speeds)) == 4
