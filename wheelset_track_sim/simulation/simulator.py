@@ -8,12 +8,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.law import ContactPatch, approach_for_force, solve_patch
+from ..contact.law import ContactPatch, approach_for_force
+from ..contact.law_kernels import ContactLaw
 from ..errors import InputError
 from ..scenario import Scenario
 from .block import COMPONENTS, SampleBlock
 from .changes import Changes, Condition
 from .changes import Revision as Revision
+from .contacts import Contact
 from .coupled import AHEAD, Coupled
 from .finite import require_finite
 from .models import Models, load_models
@@ -113,15 +115,22 @@ class Simulator:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
         return self._coupled.displacements
 
-    def contact_patch(self, wheel: int, row: int) -> ContactPatch:
-        """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block, solved for its pressure."""
+    def contact(self, wheel: int, row: int) -> Contact:
+        """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block, which stays good when the run goes on."""
         xi, condition = self.displacements, self._changes.in_force
         step = self.next_step - len(xi) + row
-        approach = condition.preload[wheel] - xi[row, :, wheel].sum()
-        return solve_patch(condition.law, wheel, step - self._models.tread_origin, step, approach)
+        approach = float(condition.preload[wheel] - xi[row, :, wheel].sum())
+        bare = condition.law._replace(points=condition.law.points[:0])  # tables take memory, and no part in a solution
+        return Contact(wheel, step, step - self._models.tread_origin, approach, bare)
 
-    def apply(self, scenario: Scenario) -> Revision:
+    def contact_patch(self, wheel: int, row: int) -> ContactPatch:
+        """The same, solved for its pressure."""
+        return self.contact(wheel, row).solve()
+
+    def apply(self, scenario: Scenario, progress: Progress | None = None) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
+
+        The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
         It comes into force between two blocks, at the first step at which no irregularity that changes is in the
         contact patch; after one turn of the wheel at the latest. There the ramp to a changed ``speed`` begins, which
@@ -141,7 +150,7 @@ class Simulator:
         if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
         same = scenario.irregularities == current.irregularities
-        law = newest.law if same else self._models.contact_law(scenario.irregularities)
+        law = newest.law if same else self._models.contact_law(scenario.irregularities, progress)
         return self._changes.add(scenario, law, self._preload_for(scenario))
 
     def advance(self, steps: int) -> SampleBlock:
