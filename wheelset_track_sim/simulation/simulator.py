@@ -117,15 +117,19 @@ class Simulator:
 
     def contact(self, wheel: int, row: int) -> Contact:
         """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block, which stays good when the run goes on."""
-        xi, condition = self.displacements, self._changes.in_force
-        step = self.next_step - len(xi) + row
-        approach = float(condition.preload[wheel] - xi[row, :, wheel].sum())
-        bare = condition.law._replace(points=condition.law.points[:0])  # tables take memory, and no part in a solution
+        law, approach = self.approach(wheel, row)
+        step = self.next_step - len(self.displacements) + row
+        bare = law._replace(points=law.points[:0])  # tables take memory, and no part in a solution
         return Contact(wheel, step, step - self._models.tread_origin, approach, bare)
 
     def contact_patch(self, wheel: int, row: int) -> ContactPatch:
         """The same, solved for its pressure."""
         return self.contact(wheel, row).solve()
+
+    def approach(self, wheel: int, row: int) -> tuple[ContactLaw, float]:
+        """Contact law and approach, m, of ``wheel`` (0 or 1) at sample ``row`` of the latest block."""
+        condition = self._changes.in_force
+        return condition.law, float(condition.preload[wheel] - self.displacements[row, :, wheel].sum())
 
     def apply(self, scenario: Scenario, progress: Progress | None = None) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
