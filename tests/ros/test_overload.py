@@ -1,0 +1,78 @@
+"""A node whose processor is taken away: it falls behind, says so, loses nothing, and catches up."""
+
+import os
+import subprocess
+import sys
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("wheelset_track_msgs")
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
+
+HOGS = 10
+OK, WARN = 0, 1
+SUBJECT = "wheelset_track_sim: pacing"
+
+
+@contextmanager
+def hogs(core):
+    """Processes that leave little of a core to others."""
+    code = f"import os; os.sched_setaffinity(0, {{{core}}})\nwhile True: pass"
+    running = [subprocess.Popen([sys.executable, "-S", "-c", code]) for _ in range(HOGS)]
+    try:
+        yield
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def levels(client):
+    """Levels of the pace as they arrive."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    found = []
+
+    def take(message):
+        with client.arrived:
+            found.extend(status.level[0] for status in message.status if status.name == SUBJECT)
+            client.arrived.notify_all()
+
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", take, 500)
+    return found
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="needs Linux to put processes on one core")
+def test_a_node_under_full_load_falls_behind_says_so_and_recovers(start, client, levels):
+    """On one core with ten others it wants a third of what it can do alone, and gets less."""
+    summaries = client.collect("summary", "LoadSummary")
+    node = start(scenario="undamaged", real_time_factor=0.0)
+    client.until(lambda: summaries)
+    core = min(os.sched_getaffinity(0))
+    for task in Path(f"/proc/{node.process.pid}/task").iterdir():
+        os.sched_setaffinity(int(task.name), {core})
+    seen = len(summaries)
+    client.until(lambda: len(summaries) > seen + 300)
+    factors = sorted(summary.real_time_factor for summary in summaries[seen + 50 :])
+    wanted = round(factors[len(factors) // 2] / 3, 2)
+    assert client.set(atomically=True, real_time_factor=wanted, diagnostics__lag_error=1e3).successful
+    began = len(levels)
+    client.until(lambda: levels[began:] and levels[-1] == OK)
+
+    with hogs(core):
+        began = len(levels)
+        client.until(lambda: max(levels[began:], default=OK) >= WARN)
+        client.until(lambda: summaries[-1].lag > 0.2)
+        assert client.get("real_time_factor") == [wanted]  # it still answers
+
+    began = len(levels)
+    client.until(lambda: levels[began:] and levels[-1] == OK)
+    assert summaries[-1].lag < 0.2
+    for before, after in pairwise(summaries[-500:]):
+        assert after.first_step == before.first_step + before.samples

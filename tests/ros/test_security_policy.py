@@ -1,0 +1,41 @@
+"""The SROS2 policy against the graph of a running node: all that the node does is allowed, and others may use it."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("wheelset_track_msgs")
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
+
+POLICY = Path(__file__).parents[2] / "config" / "sros2" / "policy.xml"
+NODE = "wheelset_track_sim"
+
+
+def allowed(enclave, kind, rule):
+    found = ET.parse(POLICY).findall(
+        f"./enclaves/enclave[@path='{enclave}']/profiles/profile/{kind}[@{rule}='ALLOW']/*"
+    )
+    return {item.text.replace("~", f"/{NODE}") for item in found}
+
+
+def test_all_that_the_node_does_is_allowed_and_others_may_use_it(start, client):
+    forces = client.collect("contact_forces", "ContactForces")
+    start(scenario="damage_wheel_1")
+    client.until(lambda: forces)
+    graph = client.node
+    published = {name for name, _ in graph.get_publisher_names_and_types_by_node(NODE, "/")}
+    subscribed = {name for name, _ in graph.get_subscriber_names_and_types_by_node(NODE, "/")}
+    services = {name for name, _ in graph.get_service_names_and_types_by_node(NODE, "/")}
+    assert {f"/{NODE}/impacts", "/diagnostics", "/rosout"} <= published
+    assert {f"/{NODE}/set_parameters", f"/{NODE}/change_state"} <= services
+    own = f"/{NODE}"
+    assert published <= allowed(own, "topics", "publish")
+    assert subscribed <= allowed(own, "topics", "subscribe")
+    assert services <= allowed(own, "services", "reply")
+    assert services <= allowed(f"{own}/operator", "services", "request")
+    assert subscribed - {"/clock", "/parameter_events"} <= allowed(f"{own}/operator", "topics", "publish")
+    for enclave in ("operator", "observer"):
+        assert published <= allowed(f"{own}/{enclave}", "topics", "subscribe")
