@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.simulation.block import SampleBlock
 from wheelset_track_sim.simulation.impacts import Impact, ImpactDetector, ImpactSettings
+from wheelset_track_sim.simulation.summary import summarise
 
 DX, STATIC = 1e-3, 98.1e3
 TURN, ORIGIN = 2713, 1800
@@ -139,8 +140,8 @@ signals = st.lists(
 )
 
 
-@given(signals, signals, st.lists(st.integers(1, 60), max_size=60), st.integers(0, 400))
-def test_any_cut_finds_the_same_impacts(one, other, lengths, faster_from):
+@given(signals, signals, st.lists(st.integers(1, 60), max_size=60), st.integers(0, 400), st.booleans())
+def test_any_cut_finds_the_same_impacts(one, other, lengths, faster_from, summaries):
     """A change of speed is a border of blocks whatever the cut."""
     turn = 97
     wheels = [np.repeat(*zip(*signal, strict=True)) for signal in (one, other)]
@@ -155,7 +156,8 @@ def test_any_cut_finds_the_same_impacts(one, other, lengths, faster_from):
         for start, stop in pairwise(borders):
             speed = 20.0 if start < speed_at else 30.0
             time = min(start, speed_at) * DX / 20.0 + max(0, start - speed_at) * DX / 30.0
-            result += detector.push(block(start, forces[0][start:stop], forces[1][start:stop], speed, time), STATIC)
+            piece = block(start, forces[0][start:stop], forces[1][start:stop], speed, time)
+            result += detector.push(piece, STATIC, summarise(piece) if summaries else None)
         return result + detector.finish()
 
     whole, cut = found([]), found(np.cumsum(lengths).tolist())

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from wheelset_track_sim.simulation.summary import summarise
 from wheelset_track_sim.simulation.turns import TurnWatch
 
 TURN = 100
@@ -36,12 +37,12 @@ def test_nothing_is_known_before_the_first_turn(make_block):
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])  # the fixture is a function
-@given(st.integers(0, 250), st.integers(1, 900), st.lists(st.integers(1, 899), max_size=30))
-def test_peaks_are_those_of_whole_turns_for_any_cut(make_block, first, samples, borders):
+@given(st.integers(0, 250), st.integers(1, 900), st.lists(st.integers(1, 899), max_size=30), st.booleans())
+def test_peaks_are_those_of_whole_turns_for_any_cut(make_block, first, samples, borders, summaries):
     whole = make_block(first, samples)
     watch = TurnWatch(TURN)
-    pieces = cut(whole, sorted(border for border in borders if border < samples))
-    found = [peaks for piece in pieces for peaks in watch.push(piece)]
+    pieces = cut(whole, sorted({border for border in borders if border < samples}))
+    found = [peaks for piece in pieces for peaks in watch.push(piece, summarise(piece) if summaries else None)]
     starts = [step for step in range(0, first + samples, TURN) if first <= step <= first + samples - TURN]
     assert [peaks.turns for peaks in found] == [start // TURN + 1 for start in starts]
     for peaks, start in zip(found, starts, strict=True):

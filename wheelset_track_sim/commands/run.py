@@ -53,7 +53,7 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             if writer is not None:
-                seen = watch.push(block)
+                seen = watch.push(block, part)
                 writer.write(block, summary=part, turn=seen.turn, impacts=seen.impacts)
             progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
         if writer is not None:

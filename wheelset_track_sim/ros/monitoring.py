@@ -93,7 +93,7 @@ class Monitoring:
         assert self._watch is not None
         assert self._monitor is not None
         assert self._simulator is not None
-        seen = self._watch.push(block)
+        seen = self._watch.push(block, summary)
         if self._metrics is not None:
             self._metrics.push(block, summary, seen, timing)
         if self._monitor.push(block, summary, seen, timing, self._simulator.in_force.wheel_load):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..schema import check, quantity
 from .block import SampleBlock
+from .summary import Summary
 
 
 @dataclass(frozen=True)
@@ -77,22 +78,26 @@ class ImpactDetector:
         self._losses = _Losses(), _Losses()
         self._since = [0, 0]
 
-    def push(self, block: SampleBlock, static_force: float) -> list[Impact]:
+    def push(self, block: SampleBlock, static_force: float, summary: Summary | None = None) -> list[Impact]:
         """Impacts that are over with this block, in the order in which they ended.
 
-        ``static_force`` is that of each wheel in this block, N. Raises ValueError for a decimated block.
+        ``static_force`` is that of each wheel in this block, N; with the block's ``summary``, if that is known already,
+        a quiet block costs nothing. Raises ValueError for a decimated block.
         """
         if block.decimation != 1:
             raise ValueError(f"impacts are found in every step, not in each {block.decimation}th")
         if len(block) == 0:
             return []
         over: list[_Open] = []
-        for wheel, force in enumerate(block.forces.T):  # one at a time: NumPy is slow along rows of two
-            if force.min() <= 0:
+        for wheel, (lowest, highest) in enumerate(_ranges(block, summary)):
+            lost = lowest <= 0
+            if not lost and self._open[wheel] is None and highest <= self.settings.threshold:
+                continue
+            force = np.ascontiguousarray(block.forces[:, wheel])
+            if lost:
                 steps = block.first_step + np.flatnonzero(force <= 0)
                 self._losses[wheel].add(steps, block.step_period, block.first_step - self._turn)
-            if self._open[wheel] is not None or force.max() > self.settings.threshold:
-                over += self._impacts(wheel, block, static_force)
+            over += self._impacts(wheel, block, force, static_force)
         return _in_order(over)
 
     def finish(self) -> list[Impact]:
@@ -101,9 +106,8 @@ class ImpactDetector:
         self._open = [None, None]
         return _in_order(over)
 
-    def _impacts(self, wheel: int, block: SampleBlock, static_force: float) -> list[_Open]:
-        """Those of one wheel that are over with a block."""
-        force = block.forces[:, wheel]
+    def _impacts(self, wheel: int, block: SampleBlock, force: NDArray[np.float64], static_force: float) -> list[_Open]:
+        """Those of one wheel, with its ``force``, that are over with a block."""
         first, row = block.first_step, 0
         over: list[_Open] = []
         reach = max(1, round(self.settings.separation / (block.speed * block.step_period)))
@@ -116,8 +120,9 @@ class ImpactDetector:
                     return over
                 now = _Open(wheel, threshold, reach, self._since[wheel], first + int(above[0]))
                 self._open[wheel] = now
-            ends = np.flatnonzero(np.diff(above, prepend=now.last - first) > now.reach)
-            above = above[: ends[0]] if len(ends) else above
+            if len(above) and above[-1] > now.last - first + now.reach:  # there may be a gap that ends it
+                gaps = np.diff(above, prepend=now.last - first) > now.reach
+                above = above[: gaps.argmax()] if gaps.any() else above
             if len(above):
                 self._extend(now, block, force, above, static_force)
             if first + len(force) <= now.last + now.reach:
@@ -185,7 +190,8 @@ class _Losses:
 
     def add(self, steps: NDArray[np.int64], period: float, forget: int) -> None:
         """Take in ``steps``, and forget those before ``forget``."""
-        for run in np.split(steps, 1 + np.flatnonzero(np.diff(steps) > 1)):
+        whole = steps[-1] - steps[0] < len(steps)
+        for run in [steps] if whole else np.split(steps, 1 + np.flatnonzero(np.diff(steps) > 1)):
             first, end = int(run[0]), int(run[-1]) + 1
             if self._runs and self._runs[-1][1:] == (first, period):
                 first = self._runs.pop()[0]
@@ -195,6 +201,13 @@ class _Losses:
     def time(self, start: int, stop: int) -> float:
         """Time without contact from step ``start`` to before ``stop``, s."""
         return sum(max(0, min(end, stop) - max(first, start)) * period for first, end, period in self._runs)
+
+
+def _ranges(block: SampleBlock, summary: Summary | None) -> list[tuple[float, float]]:
+    """Smallest and largest force of each wheel."""
+    if summary is not None:
+        return [(load.min_force, load.max_force) for load in summary.wheels]
+    return [(float(force.min()), float(force.max())) for force in block.forces.T]
 
 
 def _in_order(over: list[_Open]) -> list[Impact]:

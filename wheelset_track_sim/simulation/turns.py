@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from .block import SampleBlock
+from .summary import Summary
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,11 @@ class TurnWatch:
         self.last = NO_TURN
         """The last complete turn."""
 
-    def push(self, block: SampleBlock) -> list[TurnPeaks]:
-        """Turns that a block completes; raises ValueError for a decimated block."""
+    def push(self, block: SampleBlock, summary: Summary | None = None) -> list[TurnPeaks]:
+        """Turns that a block completes; ``summary`` is its own if that is known already.
+
+        Raises ValueError for a decimated block.
+        """
         if block.decimation != 1:
             raise ValueError(f"peaks are found in every step, not in each {block.decimation}th")
         found: list[TurnPeaks] = []
@@ -49,13 +53,22 @@ class TurnWatch:
             left = self._turn - step % self._turn
             if left == self._turn:
                 self._begun = [-math.inf] * (2 + len(block.nodes))
-            part = slice(row, row + left)
             if self._begun is not None:
-                signals = (*block.forces[part].T, *block.max_principal[part].T)
-                self._begun = [max(peak, float(now.max())) for peak, now in zip(self._begun, signals, strict=True)]
+                whole = row == 0 and left >= len(block)
+                peaks = _peaks_of(summary) if summary and whole else _peaks(block, slice(row, row + left))
+                self._begun = [max(pair) for pair in zip(self._begun, peaks, strict=True)]
                 if row + left <= len(block):
                     wheel_1, wheel_2, *nodes = self._begun
                     self.last = TurnPeaks(step // self._turn + 1, (wheel_1, wheel_2), tuple(nodes))
                     found.append(self.last)
             row += left
         return found
+
+
+def _peaks(block: SampleBlock, part: slice) -> list[float]:
+    """Largest forces and stresses of a part of a block."""
+    return [float(signal[part].max()) for signal in (*block.forces.T, *block.max_principal.T)]
+
+
+def _peaks_of(summary: Summary) -> list[float]:
+    return [load.max_force for load in summary.wheels] + [node.max_principal for node in summary.nodes]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from .block import SampleBlock
 from .impacts import Impact, ImpactDetector, ImpactSettings
 from .simulator import Simulator
+from .summary import Summary
 from .turns import TurnPeaks, TurnWatch
 
 
@@ -31,10 +32,10 @@ class Watch:
         self.detector = ImpactDetector(simulator.steps_per_revolution, simulator.models.tread_origin, settings)
         self._turns = TurnWatch(simulator.steps_per_revolution)
 
-    def push(self, block: SampleBlock) -> Seen:
-        """What the latest block of the simulator brings."""
-        impacts = self.detector.push(block, self._simulator.in_force.wheel_load)
-        turns = tuple(self._turns.push(block))
+    def push(self, block: SampleBlock, summary: Summary) -> Seen:
+        """What the latest block of the simulator, with its own ``summary``, brings."""
+        impacts = self.detector.push(block, self._simulator.in_force.wheel_load, summary)
+        turns = tuple(self._turns.push(block, summary))
         return Seen(impacts, self._turns.last, turns)
 
     def finish(self) -> list[Impact]:
