@@ -9,7 +9,7 @@ help:
 	@echo "make test    set up all that is missing, run all tests"
 	@echo "make check   lint, types and the fast tests"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
-	@echo "make bench   measure speed and memory, print tables, rewrite docs/performance.md: half an hour"
+	@echo "make bench   measure speed and memory, print tables, rewrite docs/performance.md: a quarter of an hour"
 	@echo "make setup   set up only: .venv with ROS 2 Jazzy, messages and package"
 	@echo "make clean   remove build products; make distclean removes .venv too"
 
@@ -33,7 +33,7 @@ validation:
 bench:
 	@$(PYTHON) tools/setup_env.py test bench
 	@mkdir -p results
-	$(BIN)/python -m pytest benchmarks -o python_files='bench_*.py' --benchmark-columns=min,median,rounds \
+	$(BIN)/python -m pytest benchmarks -o python_files='bench_*.py' --benchmark-columns=min,median,rounds --benchmark-disable-gc \
 		--benchmark-json=results/benchmarks.json -q $(ARGS)
 	$(BIN)/python -m benchmarks.page
 

@@ -79,7 +79,7 @@ def test_cost_of_a_fleet(record: Measure) -> None:
 @pytest.mark.all_cores
 @pytest.mark.benchmark(group="fleet")
 @pytest.mark.usefixtures("ros")
-@pytest.mark.parametrize("wheelsets", [1, 8])
+@pytest.mark.parametrize("wheelsets", [8])
 def test_fleet_of_nodes(record: Measure, wheelsets: int) -> None:
     """Time of the processor that a node of a fleet takes, everything published."""
     record(lambda: {"share_of_core": fleet.node_cost(wheelsets)}, wheelsets=wheelsets)
