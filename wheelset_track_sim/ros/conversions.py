@@ -6,14 +6,23 @@ from collections.abc import Iterable
 from typing import Any
 
 import wheelset_track_msgs.msg
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from std_msgs.msg import Header
 
 from ..monitoring.status import Status
+from ..recording.messages import FRAME, NANOSECOND
 
 
 def message_type(kind: str) -> Any:
     """Class of a message of this project by its short name, such as ``AxleStress``."""
     return getattr(wheelset_track_msgs.msg, kind)
+
+
+def header(time: float, start_ns: int) -> Any:
+    """Header of what happens at a simulated ``time``, s; ``start_ns`` is the time stamp of step 0, ns."""
+    seconds, nanoseconds = divmod(start_ns + round(time / NANOSECOND), 10**9)
+    return Header(stamp=Time(sec=seconds, nanosec=nanoseconds), frame_id=FRAME)
 
 
 def diagnostics(statuses: Iterable[Status], node: str, stamp: Any) -> Any:

@@ -54,7 +54,7 @@ class Monitoring:
 
     def begin(self, simulator: Simulator, real_time_factor: float) -> None:
         """A run begins, paused; raises InputError if its metrics cannot be served."""
-        self.end()
+        self._clear()
         settings = self._parameters.watching({})
         port = self._parameters["prometheus.port"]
         if port:
@@ -106,9 +106,7 @@ class Monitoring:
 
     def end(self, told: str = "unconfigured") -> None:
         """There is no run any more."""
-        if self._endpoint is not None:
-            self._endpoint.close()
-        self._simulator = self._watch = self._monitor = self._metrics = self._endpoint = None
+        self._clear()
         if self._simulation.level == Level.OK:
             self._tell(told)
 
@@ -121,6 +119,11 @@ class Monitoring:
         if metrics is not None:
             metrics.set_levels(statuses)
         self._publisher.publish(diagnostics(statuses, self._name, self._node.get_clock().now().to_msg()))
+
+    def _clear(self) -> None:
+        if self._endpoint is not None:
+            self._endpoint.close()
+        self._simulator = self._watch = self._monitor = self._metrics = self._endpoint = None
 
     def _tell(self, message: str, level: Level = Level.OK) -> None:
         simulator = self._simulator

@@ -1,4 +1,4 @@
-"""The ROS 2 node: a managed (lifecycle) node around a simulator that runs in a thread of its own."""
+"""The ROS 2 node: a managed (lifecycle) node around a run that streams in a thread of its own."""
 
 from __future__ import annotations
 
@@ -6,44 +6,42 @@ import threading
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from ..errors import RecordingError, WheelsetTrackError
+from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..monitoring.status import recording_status
-from ..recording.messages import State, chunk_messages, impact_message, state_message
-from ..recording.origin import state
-from ..simulation.block import SampleBlock
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
-from ..simulation.streaming import Stream, Timing
-from ..simulation.summary import summarise
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
-from .recorder import Recorder
+from .recorder import Recorder, next_free
+from .revisions import Revisions
+from .run import Run
+from .services import Services
 
 NAME = "wheelset_track_sim"
-RUNNING, PAUSED, FAILED = range(3)
-"""Status in SimulationState."""
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
-class Interrupted(Exception):  # noqa: N818  no error: the node was told to end while it built its models
-    """Stops the building of models."""
+class Interrupted(WheelsetTrackError):  # noqa: N818  no error: it was told to
+    """The node was told to end while it built its models."""
 
 
 class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     """A wheelset on a track that publishes contact forces and axle stresses while it runs.
 
     Configuring builds or loads the models, activating streams, deactivating pauses (the bag stays open), cleaning up
-    frees the models and closes the bag. Topics are in ``outputs`` and ``monitoring``, parameters in ``parameters``.
+    frees the models and closes the bag. Topics are in ``outputs``, ``monitoring`` and ``services``, which has the
+    services too, parameters in ``parameters``, and what all of them change goes through ``revisions``.
     """
 
     def __init__(
@@ -53,27 +51,35 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
         Raises InputError for parameters it cannot use.
         """
+        self.changing = MutuallyExclusiveCallbackGroup()
+        """Of all that changes the scenario: one change after the other, in the order in which they came."""
         Node.__init__(self, name)
         # Building models takes a while: the services of the lifecycle and of parameters must not queue behind it.
         LifecycleNodeMixin.__init__(self, callback_group=ReentrantCallbackGroup())
         self._end = end
         self._models = models or ModelPool()
-        self._lock = threading.RLock()  # the scenario wanted, and the simulator that has it
         self._transition = threading.Lock()
         self._interrupted = False
         self._refusal: WheelsetTrackError | None = None
-        self.lost: RecordingError | None = None
-        """What ended a recording before its time."""
         self.parameters = Parameters(self)
-        self._scenario, self._pace = self.parameters.changed({})
-        self._simulator: Simulator | None = None
-        self._stream: Stream | None = None
-        self._state: State | None = None
-        self._start_ns = 0
+        self._pace = self.parameters.pace({})
+        scenario = self.parameters.changed({}, self.parameters.file)
+        self.revisions = Revisions(scenario, self.parameters.follow, self._stop_if_interrupted)
+        self.run: Run | None = None
+        """From configuring to cleaning up."""
+        self._bag: Path | None = None  # to be opened at step 0
+        self._earliest_ns = 0  # time stamp of the next run: stamps do not go back
         self._outputs = Outputs(self, self.parameters.decimation({}))
-        self._recorder = Recorder(self.get_fully_qualified_name())
-        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self._recorder.path, self.lost))
+        self.recorder = Recorder(self.get_fully_qualified_name())
+        told = self.recorder
+        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(told.path, told.lost))
+        Services(self)
         self.add_on_set_parameters_callback(self._on_parameters)
+
+    @property
+    def lost(self) -> RecordingError | None:
+        """What ended the last recording before its time."""
+        return self.recorder.lost
 
     def autostart(self) -> None:
         """Configure and activate; what stands in the way ends the node."""
@@ -118,6 +124,69 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self.trigger_shutdown()
         self._release(None)
 
+    def create_service(self, srv_type: Any, *arguments: Any, **options: Any) -> Any:
+        """As that of every node; who sets parameters waits for changes at hand, who reads them does not."""
+        if srv_type in (SetParameters, SetParametersAtomically):
+            options["callback_group"] = self.changing
+        return super().create_service(srv_type, *arguments, **options)
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """As that of every node; no other change comes between the check of the values and the values themselves."""
+        with self.revisions.lock:
+            return super().set_parameters_atomically(parameter_list)
+
+    def pause(self) -> str:
+        """Deactivate; what to know about it. Raises InputError if there is nothing to pause."""
+        return self._switch(self.trigger_deactivate, running=False)
+
+    def resume(self) -> str:
+        """Activate; what to know about it. Raises InputError if there is nothing to resume."""
+        return self._switch(self.trigger_activate, running=True)
+
+    def reset(self) -> str:
+        """Begin a new run from step 0 with the scenario accepted last, in the state at hand; what to know about it.
+
+        A bag that is being written ends with the old run; the new one goes into a bag beside it. Raises
+        WheelsetTrackError if there is no run, or the new one cannot begin.
+        """
+        if not self._transition.acquire(blocking=False):
+            raise InputError("the node is changing its state: reset it afterwards")
+        try:
+            before = self.needed_run()
+            simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
+            running, bag = before.running, self.recorder.path
+            before.end()
+            with suppress(RecordingError):  # the recorder keeps it
+                self.recorder.stop()
+            self._begin(simulator, next_free(Path(bag)) if bag else None)
+            if running:
+                self._go_on()
+            else:
+                self.needed_run().stand("reset, not active")
+            return f"a new run from step 0{f', recorded to {self.recorder.path}' if self.recorder.path else ''}"
+        except WheelsetTrackError as refusal:
+            self.get_logger().error(f"reset: {refusal}")
+            raise
+        finally:
+            self._transition.release()
+
+    def needed_run(self) -> Run:
+        """The run; raises InputError if there is none."""
+        if self.run is None:
+            raise InputError("there is no run: configure the node first")
+        return self.run
+
+    def _switch(self, trigger: Callable[[], TransitionCallbackReturn], *, running: bool) -> str:
+        if self.needed_run().running == running:
+            return "running already" if running else "paused already"
+        try:
+            done = trigger() == SUCCESS
+        except Exception:  # noqa: BLE001  of the state machine: another has begun a transition
+            raise InputError("the node is changing its state: try again") from None
+        if not done:
+            raise self._refusal or InputError("the node did not change its state: see its log")
+        return ""
+
     def _guarded(self, step: Callable[[Any], None], previous: LifecycleState) -> TransitionCallbackReturn:
         """One transition: an error of ours is told in one line and fails it, any other is logged with its traceback."""
         self._refusal = None
@@ -128,8 +197,6 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 return FAILURE
             except WheelsetTrackError as refusal:
                 self._refusal = refusal
-                if isinstance(refusal, RecordingError):
-                    self.lost = refusal
                 self.get_logger().error(str(refusal))
                 self._monitoring.fail(str(refusal))
                 return FAILURE
@@ -139,154 +206,104 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         return SUCCESS
 
     def _configure(self, previous: LifecycleState) -> None:
-        with self._lock:
-            scenario = self._scenario
         stages: set[str] = set()
 
         def progress(stage: str, fraction: float) -> None:
-            if self._interrupted:
-                raise Interrupted
+            self._stop_if_interrupted(stage, fraction)
             if stage not in stages:
                 stages.add(stage)
                 self.get_logger().info(stage)
             self._monitoring.building(stage, fraction)
 
+        scenario = self.revisions.scenario
         simulator = Simulator(scenario, progress, self._models.models(scenario, progress))
-        with self._lock:
-            if self._scenario != scenario:  # changed while the models were built
-                simulator.apply(self._scenario)
-            self._simulator = simulator
-        self._start_ns = self.get_clock().now().nanoseconds
-        self._monitoring.begin(simulator, self._pace.real_time_factor)
+        bag = None
+        if self.parameters["record.on_start"]:
+            folder, name = self.parameters["record.directory"], self.parameters["record.name"]
+            bag = Path(folder).expanduser() / name if name else self.recorder.path_now(folder)
         self._outputs.create(simulator.scenario.output.stress_nodes)
         LifecycleNodeMixin.on_configure(self, previous)
-        self._tell(state(simulator), PAUSED)
+        self._begin(simulator, bag)
+        self.needed_run().stand("configured, not active")
+
+    def _begin(self, simulator: Simulator, bag: Path | None) -> None:
+        """A run that stands at step 0; ``bag`` is to be opened when it goes on."""
+        self.revisions.attach(simulator)
+        self._monitoring.begin(simulator, self._pace.real_time_factor)
+        run = Run(simulator, self._outputs, self._monitoring, self.recorder, self.get_logger(), self._on_end)
+        run.start_ns = self._now_ns()
+        self.run, self._bag = run, bag
 
     def _activate(self, previous: LifecycleState) -> None:
-        simulator = self._simulator
-        if simulator is None or self._interrupted:
+        if self.run is None or self._interrupted:
             raise Interrupted
-        if simulator.next_step == 0:
-            self._start_ns = self.get_clock().now().nanoseconds
-            if self.parameters["record.on_start"]:
-                folder, name = self.parameters["record.directory"], self.parameters["record.name"]
-                self._recorder.start(folder, name, simulator, self._start_ns)
         LifecycleNodeMixin.on_activate(self, previous)
-        self._tell(state(simulator), RUNNING)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        run = self.needed_run()
+        if run.next_step == 0 and not self.recorder.path:
+            run.start_ns = self._now_ns()
+            bag, self._bag = self._bag, None
+            if bag is not None:
+                self.recorder.start(bag, run.simulator, run.start_ns)
+        simulator, path = run.simulator, self.recorder.path
         self.get_logger().info(
             f"streaming {simulator.scenario.name} from step {simulator.next_step} at {simulator.speed:g} m/s"
-            + (f", recording to {self._recorder.path}" if self._recorder.path else "")
+            + (f", recording to {path}" if path else "")
         )
-        self._monitoring.run()
-        self._stream = Stream(simulator, self._pace, self._deliver, self._on_end)
-        self._stream.start()
+        run.go_on(self._pace)
 
     def _deactivate(self, previous: LifecycleState) -> None:
-        self._stop_stream()
-        if self._simulator is not None and self._state is not None and self._state.status != FAILED:
-            self._tell(state(self._simulator), PAUSED)
-            self._monitoring.pause("paused")
+        if self.run is not None:
+            self.run.pause()
         LifecycleNodeMixin.on_deactivate(self, previous)
 
     def _release(self, previous: LifecycleState | None) -> None:
-        self._stop_stream()
-        with self._lock:
-            self._simulator = None
-        self._finish()
+        run = self.run
+        if run is not None:
+            run.end()
+            self._earliest_ns = run.end_ns
+        self.run = None
+        self.revisions.detach()
         self._outputs.destroy()
-        path = self._recorder.path
-        self._recorder.stop()
+        path = self.recorder.stop()
         if path:
             self.get_logger().info(f"recorded {path}")
         self._monitoring.end()
 
-    def _stop_stream(self) -> None:
-        stream, self._stream = self._stream, None
-        if stream is not None:
-            stream.stop()
+    def _now_ns(self) -> int:
+        """Time stamp of a run that begins now: the clock's, but behind all stamps of the run before."""
+        if self.run is not None:
+            self._earliest_ns = max(self._earliest_ns, self.run.end_ns if self.run.next_step else 0)
+        return max(self._earliest_ns, int(self.get_clock().now().nanoseconds))
 
-    def _deliver(self, block: SampleBlock, timing: Timing) -> None:
-        """In the stream's thread: record and publish a chunk, and before it the state if it has changed."""
-        summary = summarise(block)
-        seen = self._monitoring.push(block, summary, timing)
-        messages = chunk_messages(
-            block,
-            self._start_ns,
-            real_time_factor=timing.real_time_factor,
-            lag=timing.lag,
-            summary=summary,
-            turn=seen.turn,
-        )
-        messages += [impact_message(impact, self._start_ns) for impact in seen.impacts]
-        if self._simulator is not None:
-            told = self._state and (self._state.revision, self._state.speed_set_point)
-            if told != (block.revision, self._simulator.course.at(block.first_step).set_point):
-                self._tell(state(self._simulator, block), RUNNING, timing)
-        self._record(messages)
-        self._outputs.publish_chunk(block, messages, self._start_ns)
-
-    def _tell(self, found: State, status: int, timing: Timing | None = None, message: str = "") -> None:
-        timing = timing or Timing(float("nan"), 0.0)
-        self._state = replace(
-            found,
-            status=status,
-            message=message,
-            real_time_factor=timing.real_time_factor,
-            lag=timing.lag,
-            recording=self._recorder.path,
-        )
-        told = state_message(self._state, self._start_ns)
-        self._record([told])
-        self._outputs.publish([told])
-
-    def _record(self, messages: list[Any]) -> None:
-        try:
-            self._recorder.write(messages)
-        except RecordingError as reason:  # the stream is worth more than the bag
-            self.get_logger().error(f"recording ends here: {reason}")
-            self.lost = reason
-            with suppress(RecordingError):
-                self._recorder.stop()
-
-    def _finish(self) -> None:
-        """Tell what filters and detectors hold back, at the end of a run."""
-        impacts = [impact_message(impact, self._start_ns) for impact in self._monitoring.finish()]
-        self._record(impacts)
-        self._outputs.publish(impacts)
-        self._outputs.finish()
+    def _stop_if_interrupted(self, stage: str, fraction: float) -> None:
+        if self._interrupted:
+            raise Interrupted("the node ends")
 
     def _on_end(self, failure: Exception | None) -> None:
         """In the stream's thread: the run is over by itself, or the simulation cannot go on."""
-        self._finish()
-        if failure is None:
-            self._end(None)
-            return
-        self.get_logger().error(f"the simulation stopped: {failure!r}")
-        if self._simulator is not None:
-            self._tell(state(self._simulator), FAILED, message=str(failure))
-        self._monitoring.fail(str(failure))
-        with suppress(RecordingError):
-            self._recorder.stop()
-        if self._pace.duration > 0 or not isinstance(failure, WheelsetTrackError):
+        if failure is None or self._pace.duration > 0 or not isinstance(failure, WheelsetTrackError):
             self._end(failure)
 
     def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         """All or nothing: one call is one revision."""
-        with self._lock:
-            try:
-                changes = {item.name: item.value for item in parameters}
-                scenario, pace = self.parameters.changed(changes)
-                watching = self.parameters.watching(changes)
-                if scenario != self._scenario and self._simulator is not None:
-                    revision = self._simulator.apply(scenario)
-                    self.get_logger().info(f"revision {revision.number} from step {revision.step}")
-            except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
-                return SetParametersResult(successful=False, reason=str(refusal))
-            self._scenario = scenario
-            self._outputs.decimation = self.parameters.decimation(changes)
-            self._monitoring.change(watching, pace.real_time_factor)
-            if pace != self._pace:
-                self._pace = pace
-                if self._stream is not None:
-                    self._stream.set_pace(pace)
+        if self.parameters.following:
+            return SetParametersResult(successful=True)
+        changes = {item.name: item.value for item in parameters}
+        try:
+            pace, watching = self.parameters.pace(changes), self.parameters.watching(changes)
+            before = self.revisions.scenario
+            revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
+        except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
+            return SetParametersResult(successful=False, reason=str(refusal))
+        if self.run is not None and self.revisions.scenario != before:
+            self.get_logger().info(f"revision {revision.number} from step {revision.step}")
+        self._outputs.decimation = self.parameters.decimation(changes)
+        self._monitoring.change(watching, pace.real_time_factor)
+        if pace != self._pace:
+            self._pace = pace
+            if self.run is not None:
+                self.run.set_pace(pace)
         return SetParametersResult(successful=True)

@@ -10,6 +10,7 @@ from typing import Any
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from ..errors import InputError
 from ..irregularities import Breakout
@@ -71,11 +72,6 @@ def with_values(base: Scenario, values: Values) -> Scenario:
     return dataclasses.replace(base, **numbers, irregularities=tuple(irregularities))
 
 
-def pace_of(values: Values) -> Pace:
-    """Pace that the parameters describe; raises InputError."""
-    return Pace(**{field.name: values[field.name] for field in dataclasses.fields(Pace)})
-
-
 @dataclass(frozen=True)
 class Watching:
     """What is worth telling."""
@@ -90,10 +86,14 @@ class Parameters:
     def __init__(self, node: Node) -> None:
         """Declare all parameters of ``node``; raises InputError if one given at the start cannot be used."""
         self._node = node
+        self.following = False
+        """Whether parameters are being set to what another way has changed already."""
         for name, (default, description) in START_UP.items():
             self._declare(name, default, ParameterDescriptor(description=description, read_only=True))
-        self._file = load_scenario(self["scenario"])
-        for name, value in values_of(self._file).items():
+        self.file = load_scenario(self["scenario"])
+        """The scenario without parameters."""
+        self._listed = self.file.irregularities  # of which the parameters show the first of each wheel
+        for name, value in values_of(self.file).items():
             self._declare(name, value, _number(_quantity(name)))
         for field in dataclasses.fields(Pace):
             quantity = quantity_of(Pace, field.name)
@@ -107,20 +107,44 @@ class Parameters:
                 self._declare(f"{prefix}.{field.name}", field.default, _number(quantity_of(kind, field.name)))
         self._declare("prometheus.port", 0, _whole(PORT, PORT.meaning.rstrip(","), read_only=True))
         self._warn_of_unknown()
-        self.changed({})
+        self.changed({}, self.file)
+        self.pace({})
         self.watching({})
 
     def __getitem__(self, name: str) -> Any:
         """Value of a parameter."""
         return self._node.get_parameter(name).value
 
-    def changed(self, changes: Values) -> tuple[Scenario, Pace]:
-        """Scenario and pace with ``changes`` made, all checked; raises InputError that names the parameter."""
-        names = [*values_of(self._file), *(field.name for field in dataclasses.fields(Pace))]
-        values = {name: self[name] for name in names} | dict(changes)
-        # a speed that is set ends the plan of the scenario file, also if it is the one that the file begins with
-        base = dataclasses.replace(self._file, speed_plan=()) if "speed" in changes else self._file
-        return with_values(base, values), pace_of(values)
+    def changed(self, changes: Values, scenario: Scenario) -> Scenario:
+        """``scenario`` with the parameters and ``changes`` of them; raises InputError that names the parameter.
+
+        A speed among the changes ends its speed plan, also if it is the one that the plan begins with.
+        """
+        values = {name: self[name] for name in values_of(self.file)} | dict(changes)
+        plan = () if "speed" in changes else scenario.speed_plan
+        return with_values(dataclasses.replace(scenario, irregularities=self._listed, speed_plan=plan), values)
+
+    def follow(self, scenario: Scenario) -> None:
+        """Show a scenario that was set by other means than parameters.
+
+        Those of damage show the first breakout of each wheel; a parameter that is set replaces it, the further stay.
+        """
+        shown = values_of(scenario)
+        if self.changed({}, scenario).irregularities == scenario.irregularities:
+            shown = {name: shown[name] for name in SCENARIO_NUMBERS}
+        else:
+            self._listed = scenario.irregularities
+        self.following = True
+        try:
+            different = [Parameter(name, value=value) for name, value in shown.items() if self[name] != value]
+            self._node.set_parameters_atomically(different)
+        finally:
+            self.following = False
+
+    def pace(self, changes: Values) -> Pace:
+        """Pace with ``changes`` made; raises InputError that names the parameter."""
+        values = {field.name: self[field.name] for field in dataclasses.fields(Pace)} | dict(changes)
+        return Pace(**{field.name: values[field.name] for field in dataclasses.fields(Pace)})
 
     def watching(self, changes: Values) -> Watching:
         """What is worth telling with ``changes`` made, all checked; raises InputError that names the parameter."""

@@ -73,7 +73,9 @@ def _run(names: Sequence[str], endings: Endings) -> Exception | None:
         called = [node.get_fully_qualified_name() for node in nodes]
         if len(set(called)) < len(called):
             raise InputError(f"all nodes of the fleet are called {called[0]}: do not rename them by __node")
-        executor = MultiThreadedExecutor(num_threads=len(nodes) + 2)
+        executor = MultiThreadedExecutor(
+            num_threads=2 * len(nodes) + 2
+        )  # a change and a transition of each may take long
         stack.callback(executor.shutdown)
         for node in nodes:
             executor.add_node(node)

@@ -5,12 +5,17 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable
+from itertools import count
 from pathlib import Path
 
+from ..errors import InputError, RecordingError
 from ..recording.bag_writer import PREFIX, BagWriter
 from ..recording.messages import Message
 from ..recording.origin import run_info
 from ..simulation.simulator import Simulator
+
+LONGEST_NAME = 200
+"""Bytes of a name that comes over ROS."""
 
 
 class Recorder:
@@ -21,6 +26,8 @@ class Recorder:
         self._prefix = prefix
         self._lock = threading.Lock()
         self._bag: BagWriter | None = None
+        self.lost: RecordingError | None = None
+        """What ended the last recording before its time."""
 
     @property
     def path(self) -> str:
@@ -28,25 +35,89 @@ class Recorder:
         bag = self._bag
         return str(bag.path) if bag else ""
 
-    def start(self, folder: str, name: str, simulator: Simulator, start_ns: int) -> None:
-        """Open a bag, unless one is open; raises InputError if it exists or cannot be written."""
-        path = Path(folder).expanduser() / (name or name_now(self._prefix))
-        with self._lock:
-            if self._bag is None:
-                self._bag = BagWriter(path, run_info(simulator), start_ns=start_ns, prefix=self._prefix)
+    def start(self, path: Path, simulator: Simulator, start_ns: int) -> None:
+        """Open a bag; ``start_ns`` is the time stamp of step 0, ns.
 
-    def write(self, messages: Iterable[Message]) -> None:
-        """Record messages if a bag is open; raises RecordingError if the disk refuses."""
+        Raises InputError if one is open, or this one exists or cannot be written.
+        """
         with self._lock:
             if self._bag is not None:
-                self._bag.write_messages(messages)
+                raise InputError(f"{self._bag.path} is being recorded: stop it first")
+            self._bag = BagWriter(path, run_info(simulator), start_ns=start_ns, prefix=self._prefix)
+            self.lost = None
 
-    def stop(self) -> None:
-        """Close the bag if one is open; raises RecordingError if the disk refuses."""
+    def write(self, messages: Iterable[Message]) -> None:
+        """Record messages if a bag is open; what the disk refuses ends the recording and is raised: RecordingError."""
+        with self._lock:
+            if self._bag is not None:
+                try:
+                    self._bag.write_messages(messages)
+                except RecordingError as reason:
+                    self._give_up(reason)
+                    raise
+
+    def split(self) -> Path:
+        """Go on in the next file of the bag, which is returned; InputError if there is nothing to split.
+
+        What the disk refuses ends the recording and is raised: RecordingError.
+        """
+        with self._lock:
+            if self._bag is None:
+                raise InputError("nothing is being recorded: start a recording first")
+            try:
+                return self._bag.split()
+            except RecordingError as reason:
+                self._give_up(reason)
+                raise
+
+    def stop(self) -> str:
+        """Close the bag if one is open; returns its path, or nothing. Raises RecordingError if the disk refuses."""
         with self._lock:
             bag, self._bag = self._bag, None
-            if bag is not None:
+            if bag is None:
+                return ""
+            try:
                 bag.close()
+            except RecordingError as reason:
+                self.lost = reason
+                raise
+            return str(bag.path)
+
+    def _give_up(self, reason: RecordingError) -> None:
+        bag, self._bag, self.lost = self._bag, None, reason
+        if bag is not None:
+            try:
+                bag.close()
+            except RecordingError:
+                return  # the first error is the one to tell
+
+    def path_now(self, folder: str) -> Path:
+        """A bag in ``folder`` by date and time, and by the name of the node if it has one of its own."""
+        return Path(folder).expanduser() / name_now(self._prefix)
+
+
+def path_below(folder: str, name: str) -> Path:
+    """The bag ``name`` below ``folder``; InputError for a name that is too long or leads out of it, also by a link."""
+    shown = repr(name if len(name) < 50 else name[:50] + "...")
+    size = len(name.encode(errors="surrogatepass"))
+    if size > LONGEST_NAME:
+        raise InputError(f"name = {shown} has {size} bytes: give at most {LONGEST_NAME}")
+    if not name.isprintable():
+        raise InputError(f"name = {shown} holds characters that cannot be printed: give letters, digits and such")
+    base = Path(folder).expanduser().resolve()
+    try:
+        path = (base / name).resolve()
+    except (OSError, RuntimeError):  # a link to itself
+        path = base
+    if Path(name).is_absolute() or ".." in Path(name).parts or base not in path.parents:
+        raise InputError(f"name = {shown} leads out of {base}: give a path below it, without ..")
+    return path
+
+
+def next_free(path: Path) -> Path:
+    """The first of ``path_2``, ``path_3``, ... that does not exist."""
+    tried = (path.with_name(f"{path.stem}_{number}{path.suffix}") for number in count(2))
+    return next(found for found in tried if not found.exists())
 
 
 def name_now(node: str) -> str:

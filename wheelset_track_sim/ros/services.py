@@ -1,0 +1,141 @@
+"""Services of the node, and the topics that it listens to, all relative to its name."""
+
+from __future__ import annotations
+
+import traceback
+from array import array
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from wheelset_track_msgs.msg import TreadDamageArray
+from wheelset_track_msgs.srv import GetContactPressure, SetSpeed, SetTreadDamage, StartRecording
+
+from ..errors import InputError, WheelsetTrackError
+from .conversions import header
+from .recorder import path_below
+from .revisions import Outcome
+
+if TYPE_CHECKING:
+    from .node import SimulationNode
+
+COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
+"""Of set points: where several wait, the latest counts."""
+Answer = dict[str, Any]
+"""Fields of a response."""
+
+
+class Services:
+    """Servers and subscriptions of one node; each answers, whatever happens.
+
+    Changes have a callback group, recordings and transitions have one, and the contact pressure has one: none waits for
+    another, and within each the order of arrival counts.
+    """
+
+    def __init__(self, node: SimulationNode) -> None:
+        """For ``node``, as long as it lives."""
+        self._node = node
+        changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+        for kind, name, answer, group in (
+            (SetTreadDamage, "set_tread_damage", self._set_tread_damage, changing),
+            (SetSpeed, "set_speed", self._set_speed, changing),
+            (StartRecording, "start_recording", self._start_recording, switching),
+            (Trigger, "stop_recording", self._stop_recording, switching),
+            (Trigger, "split_recording", self._split_recording, switching),
+            (Trigger, "pause", lambda _: {"message": node.pause()}, switching),
+            (Trigger, "resume", lambda _: {"message": node.resume()}, switching),
+            (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
+            (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
+        ):
+            node.create_service(kind, f"~/{name}", partial(self._served, answer), callback_group=group)
+        for message, name, take in (
+            (Float64, "speed", lambda message: node.revisions.speed(message.data)),
+            (TreadDamageArray, "tread_damage", lambda message: node.revisions.damage(message.damage)),
+        ):
+            topic = f"~/cmd/{name}"
+            node.create_subscription(
+                message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=changing
+            )
+
+    def _served(self, answer: Callable[[Any], Answer], request: Any, response: Any) -> Any:
+        """``response`` with an answer, or with the reason why there is none."""
+        try:
+            fields = {"success": True, **answer(request)}
+        except WheelsetTrackError as refusal:
+            fields = {"success": False, "message": str(refusal)}
+        except Exception as failure:  # noqa: BLE001  the executor must live, and the client must not wait
+            self._node.get_logger().fatal(traceback.format_exc())
+            fields = {"success": False, "message": f"it failed, see the node's log: {failure!r}"}
+        for name, value in fields.items():
+            setattr(response, name, value)
+        return response
+
+    def _taken(self, topic: str, take: Callable[[Any], Outcome], message: Any) -> None:
+        try:
+            outcome = take(message)
+        except Exception:  # noqa: BLE001  the executor must live
+            self._node.get_logger().fatal(traceback.format_exc())
+            return
+        if not outcome.success:
+            self._node.get_logger().warning(f"{topic} is refused: {outcome.message}")
+
+    def _set_tread_damage(self, request: Any) -> Answer:
+        return self._node.revisions.damage(request.damage)._asdict()
+
+    def _set_speed(self, request: Any) -> Answer:
+        return self._node.revisions.speed(request.speed, request.acceleration)._asdict()
+
+    def _start_recording(self, request: Any) -> Answer:
+        node = self._node
+        run, folder = node.needed_run(), node.parameters["record.directory"]
+        path = path_below(folder, request.name) if request.name else node.recorder.path_now(folder)
+        try:
+            first_step = run.start_recording(path)
+        except InputError as refusal:
+            return {"success": False, "message": str(refusal), "path": node.recorder.path}
+        node.get_logger().info(f"recording to {path} from step {first_step}")
+        return {"path": str(path), "first_step": first_step}
+
+    def _stop_recording(self, request: Any) -> Answer:
+        path = self._node.needed_run().stop_recording()
+        if not path:
+            raise InputError("nothing is being recorded: start a recording first")
+        self._node.get_logger().info(f"recorded {path}")
+        return {"message": path}
+
+    def _split_recording(self, request: Any) -> Answer:
+        return {"message": str(self._node.needed_run().split_recording())}
+
+    def _get_contact_pressure(self, request: Any) -> Answer:
+        run = self._node.needed_run()
+        if request.wheel not in (GetContactPressure.Request.WHEEL_1, GetContactPressure.Request.WHEEL_2):
+            raise InputError(f"wheel = {request.wheel} is not a wheel: give 1 (far from the gearbox) or 2")
+        kept = {
+            GetContactPressure.Request.LATEST: run.contacts.latest,
+            GetContactPressure.Request.WORST: run.contacts.worst,
+        }
+        if request.at not in kept:
+            raise InputError(f"at = {request.at} is not known: give 0 (the latest step) or 1 (the largest force)")
+        if not kept[request.at]:
+            raise InputError("there is no step yet: activate the node first")
+        instant = kept[request.at][request.wheel - 1]
+        patch = instant.contact.solve()
+        rows, columns = patch.pressure.shape
+        return {
+            "header": header(instant.time, run.start_ns),
+            "step": instant.contact.step,
+            **{name: getattr(instant, name) for name in ("time", "speed", "position", "revision", "angle")},
+            "approach": patch.approach,
+            "force": patch.force,
+            "rows": rows,
+            "columns": columns,
+            "dx": float(patch.x[1] - patch.x[0]),
+            "dy": float(patch.y[1] - patch.y[0]),
+            "x0": float(patch.x[0]),
+            "y0": float(patch.y[0]),
+            "pressure": array("d", patch.pressure.tobytes()),
+        }
