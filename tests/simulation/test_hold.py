@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wheelset_track_sim.simulation.hold import hold_coefficients
+from wheelset_track_sim.simulation.hold import RESOLVED, hold, hold_coefficients
 
 DT = 36e-6
 
@@ -48,3 +48,21 @@ def test_a_ramp_is_followed_exactly_at_any_step_length() -> None:
             q = a * q + b0 * (g0 + c * (t - dt)) + b1 * (g0 + c * t)
         exact = (g0 / pole + c / pole**2) * (np.exp(pole * t) - 1) - c * t / pole
         assert q == pytest.approx(exact, rel=1e-6)
+
+
+def test_modes_that_the_step_does_not_resolve_follow_their_load_at_once() -> None:
+    limit = RESOLVED * np.pi / DT
+    poles = np.array([-30 + 0.999j * limit, -30 + 1.001j * limit, -30 - 3j * limit])
+    step = hold(poles, DT)
+    np.testing.assert_array_equal(step.factor[1:], 0.0)
+    np.testing.assert_array_equal(step.before[1:], 0.0)
+    np.testing.assert_allclose(step.after[1:], -1 / poles[1:], rtol=1e-15)
+    before, after = hold_coefficients(poles, DT)
+    assert (step.factor[0], step.before[0], step.after[0]) == (np.exp(poles[0] * DT), before[0], after[0])
+
+
+def test_every_step_has_the_statics_of_its_mode() -> None:
+    """Under a constant load q = (b0 + b1) g / (1 - a) = -g / lambda, resolved or not."""
+    poles = -np.geomspace(1, 1e4, 20) + 1j * np.linspace(0, 2e5, 20)
+    step = hold(poles, DT)
+    np.testing.assert_allclose((step.before + step.after) / (1 - step.factor), -1 / poles, rtol=1e-8)

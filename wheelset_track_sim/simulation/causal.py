@@ -25,7 +25,7 @@ from ..one_core import on_one_core
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track_balance import HalfModes, MovingTrack
 from .causal_kernels import ROW, Causal
-from .hold import hold_coefficients
+from .hold import hold
 from .stress_rows import stress_rows
 
 Complex = NDArray[np.complex128]
@@ -66,11 +66,11 @@ class CausalModel:
         """Dynamics at ``speed`` m/s and in equilibrium with ``wheel_load`` N standing on both wheels at ``step``."""
         poles, dt = self.wheelset.poles, dx / speed
         load = self.wheelset.inputs.sum(axis=1) * wheel_load
-        wheel = -load / poles - hold_coefficients(poles, dt)[1] * load
+        wheel = -load / poles - hold(poles, dt).after * load
         even, odd = _halves(self, speed)
         place = step % len(even.input)
         state = even.of_state(self.track.symmetric.standing(place, wheel_load))
-        state -= hold_coefficients(even.poles, dt)[1] * even.input[place] * wheel_load
+        state -= hold(even.poles, dt).after * even.input[place] * wheel_load
         track = state, np.zeros_like(odd.poles)
         wheels = (self.wheelset.outputs @ wheel).real
         rail = (even.output[place] @ state).real
@@ -109,7 +109,7 @@ class CausalModel:
     ) -> Causal:
         dt = dx / speed
         poles, inputs, outputs = self.wheelset.poles, self.wheelset.inputs, self.wheelset.outputs
-        a, (b0, _), (_, b1) = np.exp(poles * dt), hold_coefficients(poles, dt), hold_coefficients(poles, dx / behind)
+        (a, b0, _), b1 = hold(poles, dt), hold(poles, dx / behind).after
         wheel_compliance = (outputs * b1 * inputs.T).real.sum(axis=1) + self.wheel_residual
         summed, groups = self.stress_output.shape[1], -(-len(self.stress_output) // 4)
         stress_direct = (self.stress_output @ (b1[:summed, np.newaxis] * inputs[:summed])).real
@@ -157,12 +157,12 @@ def _track_steps_at(model: CausalModel, steps: Sequence[int], dx: float, speed: 
     here, next_one = np.array(steps) % bay, (np.array(steps) + 1) % bay
     factors, places, at_once = [], [], 0.0
     for ahead, back, half in zip(_halves(model, speed), _halves(model, behind), model.track.halves, strict=True):
-        a = np.exp(ahead.poles * (dx / speed))
-        held = hold_coefficients(back.poles, dx / behind)[1] * back.input[here]
+        a, b0, _ = hold(ahead.poles, dx / speed)
+        held = hold(back.poles, dx / behind).after * back.input[here]
         at_once = at_once + ((back.output[here] * held).real.sum(axis=1) + half.residual[here]) / 2
         if behind != speed:
             held = ahead.carried(back, held)
-        into = a * held + hold_coefficients(ahead.poles, dx / speed)[0] * ahead.input[here]
+        into = a * held + b0 * ahead.input[here]
         factors.append(a)
         places.append(np.stack([into, ahead.output[next_one]], axis=1))
     return _TrackSteps(tuple(factors), _banked(_side_by_side(places)), np.asarray(at_once))

@@ -7,19 +7,47 @@ A mode ``q' = lambda q + g(t)`` with ``g`` linear from ``g[n]`` to ``g[n+1]`` ov
     phi_1(z) = (e^z - 1) / z,   phi_2(z) = (e^z - 1 - z) / z^2.
 
 For ``z -> 0`` both weights tend to ``dt / 2``, the trapezoidal rule.
+
+That is exact for the mode, but the contact sees it once a step only. A mode near half the sampling rate or above
+answers through an alias, which can feed the contact force with the wrong sign: such modes exist below 12 m/s with steps
+of 1 mm, and at 6, 9.75 and 10 m/s they made the force of a smooth wheel grow without bound. They follow their load at
+once instead, ``q = -g / lambda``, so that ``a = b0 = 0`` and ``b1 = -1 / lambda``.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Complex = NDArray[np.complex128]
 
+RESOLVED = 0.8
+"""Share of half the sampling rate up to which modes are stepped. With 1.0 the force still grows at some speeds, with
+0.95 at none of a hundred from 5 to 16 m/s."""
+
 _SERIES_BELOW = 0.5
 _TERMS = 14  # 0.5**14 / 16! is far below the rounding of phi_2(0) = 1/2
+
+
+class Hold(NamedTuple):
+    """One step of modes: ``q[n+1] = factor q[n] + before g[n] + after g[n+1]``, each of the shape of the poles."""
+
+    factor: Complex
+    before: Complex
+    after: Complex
+
+
+def hold(poles: Complex, dt: float) -> Hold:
+    """Step of ``dt`` s of modes with ``poles`` in rad/s; those that it does not resolve follow their load at once."""
+    before, after = hold_coefficients(poles, dt)
+    aliased = np.abs(poles.imag) * dt > RESOLVED * math.pi
+    at_once = -1.0 / np.where(aliased, poles, 1.0)
+    return Hold(
+        np.where(aliased, 0.0, np.exp(poles * dt)), np.where(aliased, 0.0, before), np.where(aliased, at_once, after)
+    )
 
 
 def hold_coefficients(poles: Complex, dt: float) -> tuple[Complex, Complex]:
