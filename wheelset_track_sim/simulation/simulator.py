@@ -116,7 +116,7 @@ class Simulator:
         return self._coupled.displacements
 
     def contact(self, wheel: int, row: int) -> Contact:
-        """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block, which stays good when the run goes on."""
+        """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block; it stays good when the run goes on."""
         law, approach = self.approach(wheel, row)
         step = self.next_step - len(self.displacements) + row
         bare = law._replace(points=law.points[:0])  # tables take memory, and no part in a solution
