@@ -1,6 +1,8 @@
 """A node whose processor is taken away: it falls behind, says so, loses nothing, and catches up."""
 
+import math
 import os
+import statistics
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -23,7 +25,7 @@ SUBJECT = "wheelset_track_sim: pacing"
 def hogs(core):
     """Processes that leave little of a core to others."""
     code = f"import os; os.sched_setaffinity(0, {{{core}}})\nwhile True: pass"
-    running = [subprocess.Popen([sys.executable, "-S", "-c", code]) for _ in range(HOGS)]
+    running = [subprocess.Popen([sys.executable, "-S", "-c", code], start_new_session=True) for _ in range(HOGS)]
     try:
         yield
     finally:
@@ -48,28 +50,32 @@ def levels(client):
     return found
 
 
+def pace(client, summaries, chunks=300):
+    """Simulated over elapsed time of coming chunks."""
+    seen = len(summaries)
+    client.until(lambda: len(summaries) >= seen + chunks)
+    return statistics.harmonic_mean(summary.real_time_factor for summary in summaries[seen:])
+
+
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="needs Linux to put processes on one core")
 def test_a_node_under_full_load_falls_behind_says_so_and_recovers(start, client, levels):
-    """On one core with ten others it wants a third of what it can do alone, and gets less."""
+    """On one core with ten others it wants less than it can do alone, and more than it gets."""
     summaries = client.collect("summary", "LoadSummary")
-    node = start(scenario="undamaged", real_time_factor=0.0)
+    node = start(scenario="undamaged", real_time_factor=0.0, diagnostics__lag_error=1000.0)
     client.until(lambda: summaries)
     core = min(os.sched_getaffinity(0))
     for task in Path(f"/proc/{node.process.pid}/task").iterdir():
         os.sched_setaffinity(int(task.name), {core})
-    seen = len(summaries)
-    client.until(lambda: len(summaries) > seen + 300)
-    factors = sorted(summary.real_time_factor for summary in summaries[seen + 50 :])
-    wanted = round(factors[len(factors) // 2] / 3, 2)
-    assert client.set(atomically=True, real_time_factor=wanted, diagnostics__lag_error=1e3).successful
-    began = len(levels)
-    client.until(lambda: levels[began:] and levels[-1] == OK)
+    alone = pace(client, summaries)
 
     with hogs(core):
+        crowded = pace(client, summaries)
+        if crowded > alone / 2:
+            pytest.skip(f"others take too little of the core here: {crowded:.1f} of {alone:.1f}")
+        assert client.set(real_time_factor=round(math.sqrt(alone * crowded), 2)).successful
         began = len(levels)
         client.until(lambda: max(levels[began:], default=OK) >= WARN)
         client.until(lambda: summaries[-1].lag > 0.2)
-        assert client.get("real_time_factor") == [wanted]  # it still answers
 
     began = len(levels)
     client.until(lambda: levels[began:] and levels[-1] == OK)
