@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 import signal
 import threading
 from collections.abc import Iterator, Sequence
@@ -21,9 +20,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from ..errors import InputError
 from ..simulation.fleet import ModelPool
+from .names import fleet_names
 from .node import NAME, SimulationNode
-
-LARGEST_FLEET = 100
 
 
 class Ending(NamedTuple):
@@ -164,19 +162,4 @@ def _initialise(arguments: Sequence[str]) -> list[str]:
         raise InputError(f"{refusal}: see wheelset-track-sim node --help") from None
     except (_rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError) as refusal:
         raise InputError(f"arguments of ROS: {' '.join(str(refusal).split())}") from None
-    return names
-
-
-def fleet_names(text: str) -> list[str]:
-    """Names of the nodes of a fleet from their number or their list; raises InputError."""
-    if re.fullmatch(r"-?\d+", text):
-        if not 1 <= int(text) <= LARGEST_FLEET:
-            raise InputError(f"--fleet {text} is out of range: give a number of nodes from 1 to {LARGEST_FLEET}")
-        return [f"wheelset_{number}" for number in range(1, int(text) + 1)]
-    names = text.split(",")
-    for name in names:
-        if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-            raise InputError(f"--fleet {text}: {name!r} is no name of a node: give letters, digits and underscores")
-    if len(set(names)) < len(names):
-        raise InputError(f"--fleet {text} names a node twice: give each its own name")
     return names
