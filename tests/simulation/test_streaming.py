@@ -126,3 +126,68 @@ def test_failure_ends_the_stream_and_is_handed_over(where):
     stream.stop()
     assert len(sink.blocks) == (2 if where == "source" else 3)
     assert [type(failure) for failure in sink.endings] == [ArithmeticError]
+
+
+class Stepped:
+    """A clock that goes when it is told to."""
+
+    def __init__(self):
+        self.time, self.epoch = 0.0, 0
+        self.sleeping = threading.Semaphore(0)
+        self.wake = None
+
+    def now(self):
+        return self.time
+
+    def sleep(self, due, wake):
+        self.wake = wake
+        self.sleeping.release()
+        if self.time < due:
+            wake.wait()
+
+    def go(self, time, epoch=0):
+        self.time, self.epoch = time, epoch
+        self.wake.set()
+
+
+@pytest.fixture
+def stepped():
+    clock, sink = Stepped(), Sink()
+    stream = Stream(Counting(), Pace(chunk_duration=0.01, real_time_factor=2.0), sink.deliver, sink.end, clock)
+    stream.start()
+    assert clock.sleeping.acquire(timeout=TIMEOUT)
+    yield clock, sink, stream
+    stream.stop()
+
+
+def test_stream_follows_a_clock_and_stands_with_it(stepped):
+    clock, sink, stream = stepped
+    assert not sink.blocks
+    clock.go(0.0501)  # ten chunks are due
+    for _ in range(10):
+        assert sink.some.acquire(timeout=TIMEOUT)
+    assert clock.sleeping.acquire(timeout=TIMEOUT)
+    clock.go(0.0502)  # none is
+    assert clock.sleeping.acquire(timeout=TIMEOUT)
+    assert len(sink.blocks) == 10
+    assert sink.timings[0].lag == pytest.approx(0.0451)
+    assert sink.timings[0].real_time_factor == pytest.approx(0.01 / 0.0501)
+    stream.stop()  # hands over the chunk at hand, although the clock stands
+    np.testing.assert_array_equal(sink.steps, np.arange(1100))
+
+
+def test_clock_set_back_does_not_hold_the_stream(stepped):
+    clock, sink, _ = stepped
+    clock.go(10.0)
+    for _ in range(20):
+        assert sink.some.acquire(timeout=TIMEOUT)
+    clock.go(1.0, epoch=1)
+    while sink.some.acquire(timeout=0.2):  # what was due before
+        pass
+    for now in np.arange(1.1, 2.0, 0.1):  # far from the time at which it was set back
+        clock.go(now, epoch=1)
+        if sink.some.acquire(timeout=0.2):
+            break
+    else:
+        pytest.fail("it waits for the time that was")
+    np.testing.assert_array_equal(sink.steps, np.arange(len(sink.steps)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..monitoring.status import recording_status
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
+from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
@@ -63,6 +64,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._refusal: WheelsetTrackError | None = None
         self.parameters = Parameters(self)
         self._pace = self.parameters.pace({})
+        self._time = NodeClock(self, publish=self.parameters["publish_clock"])
         scenario = self.parameters.changed({}, self.parameters.file)
         self.revisions = Revisions(scenario, self.parameters.follow, self._stop_if_interrupted)
         self.run: Run | None = None
@@ -118,6 +120,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def close(self) -> None:
         """End the run from outside of all callbacks: stop, close the bag."""
         self._interrupted = True
+        self._time.wake()
         with self._transition:  # models that are being built notice
             pass
         with suppress(Exception):  # a state without a way to shut down
@@ -200,8 +203,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 self.get_logger().error(str(refusal))
                 self._monitoring.fail(str(refusal))
                 return FAILURE
-            except Exception:
+            except Exception as failure:
                 self.get_logger().fatal(traceback.format_exc())
+                self._monitoring.fail(repr(failure))
                 raise
         return SUCCESS
 
@@ -221,32 +225,52 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         if self.parameters["record.on_start"]:
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
             bag = Path(folder).expanduser() / name if name else self.recorder.path_now(folder)
-        self._outputs.create(simulator.scenario.output.stress_nodes)
-        LifecycleNodeMixin.on_configure(self, previous)
-        self._begin(simulator, bag)
+        try:
+            self._outputs.create(simulator.scenario.output.stress_nodes)
+            LifecycleNodeMixin.on_configure(self, previous)
+            self._begin(simulator, bag)
+        except Exception:
+            self._release(None)
+            raise
         self.needed_run().stand("configured, not active")
 
     def _begin(self, simulator: Simulator, bag: Path | None) -> None:
         """A run that stands at step 0; ``bag`` is to be opened when it goes on."""
         self.revisions.attach(simulator)
         self._monitoring.begin(simulator, self._pace.real_time_factor)
-        run = Run(simulator, self._outputs, self._monitoring, self.recorder, self.get_logger(), self._on_end)
+        outlets = self._outputs, self._monitoring, self.recorder
+        run = Run(simulator, *outlets, self._time, self.get_logger(), self._on_end)
         run.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 
     def _activate(self, previous: LifecycleState) -> None:
         if self.run is None or self._interrupted:
             raise Interrupted
+        self._wait_for_time()
         LifecycleNodeMixin.on_activate(self, previous)
-        self._go_on()
+        try:
+            self._go_on()
+        except Exception:
+            LifecycleNodeMixin.on_deactivate(self, previous)
+            raise
+
+    def _wait_for_time(self) -> None:
+        """With ``use_sim_time`` stamps and pace begin with the first message on ``/clock``."""
+        if self._time.now_ns() > 0:
+            return
+        told = "waiting for the time on /clock"
+        self.get_logger().info(told)
+        self._monitoring.pause(told)
+        self._time.wait_for_time(lambda: self._interrupted)
+        self._stop_if_interrupted("", 0.0)
 
     def _go_on(self) -> None:
         run = self.needed_run()
         if run.next_step == 0 and not self.recorder.path:
             run.start_ns = self._now_ns()
-            bag, self._bag = self._bag, None
-            if bag is not None:
-                self.recorder.start(bag, run.simulator, run.start_ns)
+            if self._bag is not None:
+                self.recorder.start(self._bag, run.simulator, run.start_ns)
+            self._bag = None
         simulator, path = run.simulator, self.recorder.path
         self.get_logger().info(
             f"streaming {simulator.scenario.name} from step {simulator.next_step} at {simulator.speed:g} m/s"
@@ -276,7 +300,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         """Time stamp of a run that begins now: the clock's, but behind all stamps of the run before."""
         if self.run is not None:
             self._earliest_ns = max(self._earliest_ns, self.run.end_ns if self.run.next_step else 0)
-        return max(self._earliest_ns, int(self.get_clock().now().nanoseconds))
+        return max(self._earliest_ns, self._time.now_ns())
 
     def _stop_if_interrupted(self, stage: str, fraction: float) -> None:
         if self._interrupted:
@@ -293,6 +317,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             return SetParametersResult(successful=True)
         changes = {item.name: item.value for item in parameters}
         try:
+            self._check_clock(changes)
             pace, watching = self.parameters.pace(changes), self.parameters.watching(changes)
             before = self.revisions.scenario
             revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
@@ -300,6 +325,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             return SetParametersResult(successful=False, reason=str(refusal))
         if self.run is not None and self.revisions.scenario != before:
             self.get_logger().info(f"revision {revision.number} from step {revision.step}")
+        if changes.get("use_sim_time", self._time.following) != self._time.following:
+            self._earliest_ns = 0  # stamps of another time
         self._outputs.decimation = self.parameters.decimation(changes)
         self._monitoring.change(watching, pace.real_time_factor)
         if pace != self._pace:
@@ -307,3 +334,10 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             if self.run is not None:
                 self.run.set_pace(pace)
         return SetParametersResult(successful=True)
+
+    def _check_clock(self, changes: Mapping[str, Any]) -> None:
+        """Raises InputError for a change of the clock that the run at hand cannot follow."""
+        following = changes.get("use_sim_time", self._time.following)
+        self.parameters.check_clock(following)
+        if following != self._time.following and self.run is not None and self.run.next_step > 0:
+            raise InputError("use_sim_time cannot change while there is a run, whose stamps go on: clean up first")

@@ -29,6 +29,7 @@ START_UP = {
     "record.directory": ("recordings", "Folder in which bags are written"),
     "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
     "record.on_start": (False, "Record from the start of the run on"),
+    "publish_clock": (False, "Tell the time of the run on /clock, for nodes with use_sim_time"),
     "prometheus.address": ("127.0.0.1", "Address on which metrics are served; 0.0.0.0 is all of this machine"),
 }
 PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
@@ -107,6 +108,7 @@ class Parameters:
                 self._declare(f"{prefix}.{field.name}", field.default, _number(quantity_of(kind, field.name)))
         self._declare("prometheus.port", 0, _whole(PORT, PORT.meaning.rstrip(","), read_only=True))
         self._warn_of_unknown()
+        self.check_clock(self["use_sim_time"])
         self.changed({}, self.file)
         self.pace({})
         self.watching({})
@@ -140,6 +142,14 @@ class Parameters:
             self._node.set_parameters_atomically(different)
         finally:
             self.following = False
+
+    def check_clock(self, use_sim_time: bool) -> None:
+        """Raises InputError if the node cannot have its time on ``/clock``."""
+        if use_sim_time and self["publish_clock"]:
+            raise InputError(
+                "use_sim_time = true is refused while publish_clock is true: "
+                "a node cannot follow the clock that it publishes, set one of them to false"
+            )
 
     def pace(self, changes: Values) -> Pace:
         """Pace with ``changes`` made; raises InputError that names the parameter."""

@@ -18,6 +18,7 @@ from ..simulation.pacing import Pace
 from ..simulation.simulator import Simulator
 from ..simulation.streaming import Stream, Timing
 from ..simulation.summary import summarise
+from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .recorder import Recorder
@@ -29,7 +30,7 @@ RUNNING, PAUSED, FAILED = range(3)
 class Run:
     """A simulator that streams while it runs and stands while it is paused; no sample is lost between the two.
 
-    Topics, monitoring and recorder are those of the node, and outlive the run.
+    Topics, monitoring, recorder and clock are those of the node, and outlive the run.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Run:
         outputs: Outputs,
         monitoring: Monitoring,
         recorder: Recorder,
+        clock: NodeClock,
         log: Any,
         ended: Callable[[Exception | None], None],
     ) -> None:
@@ -47,7 +49,7 @@ class Run:
         self.start_ns = 0
         """Time stamp of step 0, ns."""
         self._outputs, self._monitoring, self._recorder, self._log = outputs, monitoring, recorder, log
-        self._ended = ended
+        self._clock, self._ended = clock, ended
         self._stream: Stream | None = None
         self._next_step = simulator.next_step
         self._told: State | None = None
@@ -73,7 +75,7 @@ class Run:
         """Stream from where the run stands."""
         self._tell(state(self.simulator), RUNNING)
         self._monitoring.run()
-        self._stream = Stream(self.simulator, pace, self._deliver, self._on_end)
+        self._stream = Stream(self.simulator, pace, self._deliver, self._on_end, self._clock)
         self._stream.start()
 
     def set_pace(self, pace: Pace) -> None:
@@ -140,9 +142,10 @@ class Run:
         with self._lock:
             if self._due or self._told is None or self._changed(self._told, block):
                 self._tell(state(self.simulator, block), RUNNING, timing)
+            self._next_step = block.first_step + len(block)
+            self._clock.tell(self.end_ns)
             self._record(messages)
             self._outputs.publish_chunk(block, messages, self.start_ns)
-            self._next_step = block.first_step + len(block)
             self.contacts.push(self.simulator, block)
 
     def _tell(self, found: State, status: int, timing: Timing | None = None, message: str = "") -> None:

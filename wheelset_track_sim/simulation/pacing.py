@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from ..schema import check, quantity
 
@@ -30,17 +31,65 @@ class Pace:
         return max(0, min(steps, round((self.duration - simulated) / step_period)))
 
 
-class Pacer:
-    """A clock that runs at a factor of real time from the moment it is made."""
+class Clock(Protocol):
+    """What a run is paced by; it may stand still, and it may be set anew."""
 
-    def __init__(self, factor: float, simulated: float, clock: Callable[[], float] = time.monotonic) -> None:
+    @property
+    def epoch(self) -> int:
+        """Another number each time the clock is set anew: what was due before means nothing then."""
+        ...
+
+    def now(self) -> float:
+        """Time, s."""
+        ...
+
+    def sleep(self, due: float, wake: threading.Event) -> None:
+        """Return when it is ``due``, when ``wake`` is set, or earlier."""
+        ...
+
+
+class SteadyClock:
+    """Elapsed time of the machine, which nobody sets."""
+
+    epoch = 0
+
+    def now(self) -> float:
+        """Time, s."""
+        return time.monotonic()
+
+    def sleep(self, due: float, wake: threading.Event) -> None:
+        """Return when it is ``due``, or when ``wake`` is set."""
+        wake.wait(max(0.0, due - self.now()))
+
+
+class Pacer:
+    """A schedule at a factor of a clock from the moment it is made; begins anew when the clock is set anew."""
+
+    def __init__(self, factor: float, simulated: float, clock: Clock) -> None:
         """Start at the time ``simulated``, s; a factor of 0 is no pacing at all."""
         self._factor, self._clock = factor, clock
-        self._origin = clock(), simulated
+        self._reached = simulated
+        self._begin()
 
     def wait(self, simulated: float) -> float:
-        """Time until ``simulated`` is due, s; negative if it is overdue, 0 without pacing."""
+        """Time of the clock until ``simulated`` is due, s; negative if it is overdue, 0 without pacing."""
         if self._factor == 0:
             return 0.0
+        if self._epoch != self._clock.epoch:
+            self._begin()
+        wait = self._due(simulated) - self._clock.now()
+        if wait <= 0:
+            self._reached = simulated
+        return wait
+
+    def sleep(self, simulated: float, wake: threading.Event) -> None:
+        """Return when ``simulated`` is due, when ``wake`` is set, or earlier."""
+        self._clock.sleep(self._due(simulated), wake)
+
+    def _begin(self) -> None:
+        self._epoch = self._clock.epoch
+        self._origin = self._clock.now(), self._reached
+
+    def _due(self, simulated: float) -> float:
         started, first = self._origin
-        return started + (simulated - first) / self._factor - self._clock()
+        return started + (simulated - first) / self._factor

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 from .block import SampleBlock
-from .pacing import Pace, Pacer
+from .pacing import Clock, Pace, Pacer, SteadyClock
 
 
 class Source(Protocol):
@@ -35,9 +34,9 @@ class Timing:
     """How a chunk kept its time."""
 
     real_time_factor: float
-    """Simulated over elapsed time since the chunk before."""
+    """Simulated over elapsed time since the chunk before, that of the clock which paces it."""
     lag: float
-    """How far the chunk is behind its schedule, s."""
+    """How far the chunk is behind its schedule, s of that clock."""
 
 
 class Stream:
@@ -53,7 +52,10 @@ class Stream:
         pace: Pace,
         deliver: Callable[[SampleBlock, Timing], None],
         ended: Callable[[Exception | None], None],
+        clock: Clock | None = None,
     ) -> None:
+        """``clock`` paces the stream; the machine's if None, and wherever it goes as fast as possible."""
+        self._clock = clock or SteadyClock()
         self._source, self._pace, self._deliver, self._ended = source, pace, deliver, ended
         self._stopping = False
         self._wake = threading.Event()
@@ -84,21 +86,27 @@ class Stream:
             self._ended(failure)
 
     def _stream(self) -> None:
-        pace = self._pace
-        pacer = Pacer(pace.real_time_factor, self._source.time)
-        before = time.perf_counter()
+        pace, clock, pacer = self._schedule()
+        before = clock.now()
         while not self._stopping:
             steps = pace.steps(self._source.time, self._source.step_period)
             if steps == 0:
                 return
             block = self._source.advance(steps)
             spans = len(block) * block.step_period
-            while (wait := pacer.wait(block.time + spans)) > 0 and pace is self._pace and not self._stopping:
-                self._wake.wait(wait)
+            end = block.time + spans
+            while (wait := pacer.wait(end)) > 0 and pace is self._pace and not self._stopping:
+                pacer.sleep(end, self._wake)
                 self._wake.clear()
-            now = time.perf_counter()
+            now = clock.now()
             self._deliver(block, Timing(spans / max(now - before, 1e-9), max(0.0, -wait)))
             before = now
             if pace is not self._pace:
-                pace = self._pace
-                pacer = Pacer(pace.real_time_factor, self._source.time)
+                pace, clock, pacer = self._schedule()
+                before = clock.now()
+
+    def _schedule(self) -> tuple[Pace, Clock, Pacer]:
+        """The pace that is set, its clock, and its schedule from the next sample on."""
+        pace = self._pace
+        clock = self._clock if pace.real_time_factor > 0 else SteadyClock()
+        return pace, clock, Pacer(pace.real_time_factor, self._source.time, clock)

@@ -1,0 +1,122 @@
+"""Transitions over and over, and those that fail: the state, the stream and what is told of them."""
+
+import signal
+import socket
+from itertools import pairwise
+
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("wheelset_track_msgs")
+
+from wheelset_track_sim.recording import read
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
+
+OK, ERROR = 0, 2
+SUBJECT = "wheelset_track_sim: simulation"
+
+
+def assert_gap_free(chunks):
+    for before, after in pairwise(chunks):
+        assert after.first_step == before.first_step + before.samples
+
+
+@pytest.fixture
+def summaries(client):
+    return client.collect("summary", "LoadSummary")
+
+
+@pytest.fixture
+def reports(client):
+    """Levels and messages of the simulation on /diagnostics."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    found = []
+
+    def take(message):
+        with client.arrived:
+            found.extend((item.level[0], item.message) for item in message.status if item.name == SUBJECT)
+            client.arrived.notify_all()
+
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", take, 100)
+    return found
+
+
+def test_transitions_may_be_repeated(start, client, summaries, reports):
+    node = start(scenario="undamaged", autostart="false", real_time_factor=4.0)
+    begun = [0]
+    for _ in range(3):
+        assert client.transition("configure")
+        for _ in range(4):
+            seen = len(summaries)
+            assert client.transition("activate")
+            client.until(lambda seen=seen: len(summaries) >= seen + 5)
+            assert not client.transition("activate")  # it is: refused, and nothing happens
+            assert client.transition("deactivate")
+        assert client.transition("cleanup")
+        client.until(lambda: reports[-1] == (OK, "unconfigured"))
+        begun.append(len(summaries))
+    for first, last in pairwise(begun):
+        run = summaries[first:last]
+        assert run[0].first_step == 0
+        assert_gap_free(run)
+    assert client.state() == "unconfigured"
+    assert client.transition("shutdown")
+    assert client.state() == "finalized"
+    assert node.signal(signal.SIGINT) == 0, node.errors
+    assert "Traceback" not in node.errors
+
+
+def test_bad_scenario_of_a_parameter_file_leaves_the_node_unconfigured(start, client, tmp_path, reports):
+    scenario, parameters = tmp_path / "odd.yaml", tmp_path / "parameters.yaml"
+    scenario.write_text("name: odd\nspeed: 30\naxle_load: 2e5\nwheelset: no_such_wheelset\n")
+    parameters.write_text(f"/wheelset_track_sim:\n  ros__parameters:\n    scenario: {scenario}\n    autostart: false\n")
+    node = start("--ros-args", "--params-file", str(parameters))
+    for _ in range(2):
+        seen = len(reports)
+        assert not client.transition("configure")
+        assert client.state() == "unconfigured"
+        client.until(lambda seen=seen: any(level == ERROR for level, _ in reports[seen:]))
+        level, message = reports[-1]
+        assert level == ERROR
+        assert "no_such_wheelset" in message
+    assert node.signal(signal.SIGINT) == 0
+    assert "no_such_wheelset" in node.errors + node.output
+
+
+def test_configuring_succeeds_when_what_hindered_it_is_gone(start, client, summaries, reports):
+    """The last step of configuring fails: nothing of the first ones is left behind."""
+    pytest.importorskip("prometheus_client")
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        start(scenario="undamaged", autostart="false", prometheus__port=port)
+        assert not client.transition("configure")
+        assert client.state() == "unconfigured"
+        client.until(lambda: any(level == ERROR and str(port) in message for level, message in reports))
+        assert client.node.count_publishers(f"{client.name}/summary") == 0
+    assert client.transition("configure")
+    assert client.transition("activate")
+    client.until(lambda: len(summaries) >= 5)
+    assert_gap_free(summaries)
+    client.until(lambda: reports[-1] == (OK, "running"))
+
+
+def test_bag_that_hindered_activating_is_written_when_it_can_be(start, client, summaries, reports, tmp_path):
+    bag = tmp_path / "run"
+    bag.write_text("in the way")
+    where = {"record__on_start": "true", "record__directory": tmp_path, "record__name": "run"}
+    node = start(scenario="undamaged", autostart="false", **where)
+    assert client.transition("configure")
+    assert not client.transition("activate")
+    assert client.state() == "inactive"
+    client.until(lambda: any(level == ERROR and str(bag) in message for level, message in reports))
+    bag.unlink()
+    assert client.transition("activate")
+    client.until(lambda: len(summaries) >= 5)
+    assert node.signal(signal.SIGINT) == 0, node.errors
+    recorded = read(bag)
+    assert recorded.steps[0] == 0
+    assert len(recorded) >= summaries[-1].first_step + summaries[-1].samples
