@@ -4,44 +4,19 @@
 use all cores and end each for itself.
 """
 
-from pathlib import Path
+from launch import LaunchDescription
 
-from ament_index_python.packages import get_package_share_directory
-from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
-
-PACKAGE = "wheelset_track_sim"
+from wheelset_track_sim.ros.launching import NAMESPACE, Value, Wheelset, description
+from wheelset_track_sim.ros.names import fleet_names
 
 
-def nodes(context: LaunchContext) -> list[Node]:
+def fleet(value: Value) -> list[Wheelset]:
     """A node for each wheelset, by number or by name."""
-    wheelsets = LaunchConfiguration("wheelsets").perform(context)
-    names = [f"wheelset_{i + 1}" for i in range(int(wheelsets))] if wheelsets.isdigit() else wheelsets.split(",")
-    return [
-        Node(
-            package=PACKAGE,
-            executable="node",
-            name=name,
-            namespace=LaunchConfiguration("namespace"),
-            output="screen",
-            parameters=[LaunchConfiguration("params_file")],
-        )
-        for name in names
-    ]
+    return [(value("namespace"), name) for name in fleet_names(value("wheelsets"), "wheelsets:=")]
 
 
 def generate_launch_description() -> LaunchDescription:
     """As many nodes as ``wheelsets`` says, with a parameter file in common that has a section for each name."""
-    shipped = Path(get_package_share_directory(PACKAGE)) / "config" / "fleet.yaml"
-    arguments = {
-        "wheelsets": ("3", "how many, or their names: leading,trailing"),
-        "namespace": ("", "namespace of all of them"),
-        "params_file": (str(shipped), "parameter file"),
-    }
-    declared = [
-        DeclareLaunchArgument(name, default_value=default, description=description)
-        for name, (default, description) in arguments.items()
-    ]
-    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])
+    return description(
+        "fleet.yaml", fleet, wheelsets=("3", "how many, or their names: leading,trailing"), namespace=NAMESPACE
+    )

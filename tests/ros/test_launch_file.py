@@ -1,89 +1,136 @@
-"""The launch files against recording stand-ins: ``launch_ros`` is only on a real installation."""
+"""Launch files by stand-ins: which nodes, with which arguments; ``test_launched_nodes`` starts them."""
 
 import runpy
-import sys
-from types import ModuleType
 
 import pytest
+from launch_stand_in import LaunchFile, install
 from test_packaging import ROOT
 
+from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.yaml12 import parse
 
+FILES = sorted(path.name for path in (ROOT / "launch").iterdir())
+IN_COMMON = {
+    "params_file",
+    "namespace",
+    "scenario",
+    "autostart",
+    "real_time_factor",
+    "use_sim_time",
+    "record",
+    "record_directory",
+    "log_level",
+}
 
-class Recorded:
-    def __init__(self, *values, **named):
-        self.values, self.named = values, named
 
-    def perform(self, context):
-        return context[self.values[0]]
+@pytest.fixture(autouse=True)
+def _stand_ins(monkeypatch):
+    install(monkeypatch)
 
 
-@pytest.fixture
-def described(monkeypatch):
-    kinds = {
-        "launch": ["LaunchContext", "LaunchDescription"],
-        "launch.actions": ["DeclareLaunchArgument", "OpaqueFunction"],
-        "launch.substitutions": ["LaunchConfiguration"],
-        "launch_ros": [],
-        "launch_ros.actions": ["Node"],
-        "ament_index_python": [],
-        "ament_index_python.packages": [],
+def sections(file):
+    return {name: content["ros__parameters"] for name, content in parse(file.read_text(), file.name).items()}
+
+
+def test_one_for_each_way_to_run():
+    assert FILES == ["bogie.launch.py", "fleet.launch.py", "train.launch.py", "wheelset_track_sim.launch.py"]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_every_argument_has_a_default_and_a_description(file):
+    launch = LaunchFile(file)
+    assert set(launch.arguments) >= IN_COMMON
+    assert len(launch.declared) == len(launch.arguments)
+    for item in launch.declared:
+        assert isinstance(item.named["default_value"], str)
+        assert len(item.named["description"]) > 10
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_parameter_file_is_a_shipped_one_and_holds_unless_told(file):
+    for node in LaunchFile(file).nodes():
+        path = ROOT / "wheelset_track_sim" / "data" / "config" / node.file.rpartition("/")[2]
+        assert (node.file, node.given) == (str(path), {})
+        assert path.is_file()
+    [*_, other] = LaunchFile(file).nodes(params_file="mine.yaml")
+    assert other.file == "mine.yaml"
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_arguments_stand_above_the_parameter_file(file):
+    given = {
+        "scenario": "undamaged",
+        "autostart": "false",
+        "real_time_factor": "2",
+        "use_sim_time": "true",
+        "record": "true",
+        "record_directory": "2026",
     }
-    for name, classes in kinds.items():
-        module = ModuleType(name)
-        for kind in classes:
-            setattr(module, kind, type(kind, (Recorded,), {}))
-        monkeypatch.setitem(sys.modules, name, module)
-    index = sys.modules["ament_index_python.packages"]
-    monkeypatch.setattr(index, "get_package_share_directory", lambda package: str(ROOT), raising=False)
-
-    def described(file):
-        *declared, what = runpy.run_path(str(ROOT / "launch" / file))["generate_launch_description"]().values[0]
-        return {item.values[0]: item.named["default_value"] for item in declared}, what
-
-    return described
-
-
-def parameters_of(file):
-    return {
-        name: content["ros__parameters"] for name, content in parse((ROOT / "config" / file).read_text(), file).items()
-    }
-
-
-def test_node_is_the_installed_one_and_takes_what_is_declared(described):
-    arguments, node = described("wheelset_track_sim.launch.py")
-    assert node.named["package"] == "wheelset_track_sim"
-    assert node.named["executable"] == "node"
-    assert (ROOT / "tools" / "node").exists()
-    file, given = node.named["parameters"]
-    assert {file.values[0], *(value.values[0] for value in given.values())} == set(arguments)
-    assert set(given) <= set(parameters_of("node.yaml")["/wheelset_track_sim"])
-    assert arguments["params_file"] == str(ROOT / "config" / "node.yaml")
+    for node in LaunchFile(file).nodes(**given, log_level="warn"):
+        assert node.given == {
+            "scenario": "undamaged",
+            "autostart": False,
+            "real_time_factor": 2.0,
+            "use_sim_time": True,
+            "record.on_start": True,
+            "record.directory": "2026",
+        }
+        assert node.ros_arguments == ["--log-level", "warn"]
+        known = {"use_sim_time", *sections(ROOT / "config" / "node.yaml")["/**"]}
+        assert set(node.given) <= known
 
 
 @pytest.mark.parametrize(
-    ("wheelsets", "names"),
-    [("3", ["wheelset_1", "wheelset_2", "wheelset_3"]), ("leading,trailing", ["leading", "trailing"])],
+    ("file", "given", "names"),
+    [
+        ("wheelset_track_sim.launch.py", {}, ["/wheelset_track_sim"]),
+        ("wheelset_track_sim.launch.py", {"name": "front", "namespace": "train/w1"}, ["/train/w1/front"]),
+        ("fleet.launch.py", {}, ["/wheelset_1", "/wheelset_2", "/wheelset_3"]),
+        ("fleet.launch.py", {"wheelsets": "a,b", "namespace": "/x/"}, ["/x/a", "/x/b"]),
+        ("bogie.launch.py", {}, ["/bogie/leading", "/bogie/trailing"]),
+        ("bogie.launch.py", {"namespace": ""}, ["/leading", "/trailing"]),
+        (
+            "train.launch.py",
+            {},
+            [f"/train/vehicle_1/bogie_{bogie}/{name}" for bogie in (1, 2) for name in ("leading", "trailing")],
+        ),
+        (
+            "train.launch.py",
+            {"vehicles": "2", "bogies": "1", "namespace": ""},
+            [f"/vehicle_{vehicle}/bogie_1/{name}" for vehicle in (1, 2) for name in ("leading", "trailing")],
+        ),
+    ],
 )
-def test_fleet_has_a_node_for_each_wheelset(described, wheelsets, names):
-    arguments, build = described("fleet.launch.py")
-    nodes = build.named["function"]({**arguments, "wheelsets": wheelsets})
-    assert [node.named["name"] for node in nodes] == names
-    for node in nodes:
-        assert (node.named["package"], node.named["executable"]) == ("wheelset_track_sim", "node")
-        taken = {node.named["namespace"].values[0], *(item.values[0] for item in node.named["parameters"])}
-        assert {*taken, "wheelsets"} == set(arguments)
-    assert arguments["params_file"] == str(ROOT / "config" / "fleet.yaml")
+def test_names_of_the_nodes(file, given, names):
+    assert [node.full_name for node in LaunchFile(file).nodes(**given)] == names
 
 
-def test_fleet_file_knows_the_nodes_that_it_ships_for(described):
-    arguments, build = described("fleet.launch.py")
-    sections = parameters_of("fleet.yaml")
-    nodes = build.named["function"](arguments)
-    assert set(sections) == {"/**", *(f"/{node.named['name']}" for node in nodes)}
-    known = set(parameters_of("node.yaml")["/wheelset_track_sim"])
-    text = (ROOT / "config" / "node.yaml").read_text()
-    for name, section in sections.items():
-        for parameter in section:
-            of_wheel_1 = parameter.replace("wheel_2", "wheel_1")
-            assert parameter in known or f"# {of_wheel_1}:" in text, (name, parameter)
+@pytest.mark.parametrize(
+    ("file", "given"),
+    [
+        ("fleet.launch.py", {"wheelsets": "0"}),
+        ("fleet.launch.py", {"wheelsets": "a,a"}),
+        ("train.launch.py", {"vehicles": "0"}),
+        ("train.launch.py", {"bogies": "two"}),
+    ],
+)
+def test_numbers_and_names_that_make_no_sense_are_refused_by_name(file, given):
+    [argument] = given
+    with pytest.raises(InputError, match=f"^{argument}:="):
+        LaunchFile(file).nodes(**given)
+
+
+@pytest.mark.parametrize("file", ["fleet.launch.py", "bogie.launch.py", "train.launch.py"])
+def test_sections_of_shipped_files_are_of_nodes_that_are_launched(file):
+    launched = [LaunchFile(name).nodes() for name in FILES]
+    names = {node.full_name for nodes in launched for node in nodes}
+    own = LaunchFile(file).nodes()
+    found = sections(ROOT / "config" / own[0].file.rpartition("/")[2])
+    assert set(found) <= {"/**", *names}
+    assert set(found) & {node.full_name for node in own}
+
+
+def test_executable_is_there():
+    assert (ROOT / "tools" / "node").exists()
+    assert "data_files" in (ROOT / "setup.py").read_text()
+    assert runpy.run_path(str(ROOT / "tools" / "node"))["main"]

@@ -31,10 +31,7 @@ def test_a_state_that_is_not_finite_ends_in_an_error_with_its_step(of: str, valu
     simulator.advance(100)
     getattr(simulator._coupled._dynamics, of)[..., 0] = value
     with pytest.raises((ContactError, DivergenceError), match=r"step 10[01]\b"):
-        while simulator.next_step < 200:
-            block = simulator.advance(50)  # samples before that step are handed over first
-            assert np.isfinite(block.forces).all()
-            assert np.isfinite(block.stresses).all()
+        _advance_to(simulator, 200)
     with pytest.raises((ContactError, DivergenceError)):  # and it stays one
         simulator.advance(1)
 
@@ -47,3 +44,11 @@ def test_stress_that_is_not_finite_ends_in_an_error() -> None:
     dynamics = dataclasses.replace(models.dynamics, stress_feedthrough=feedthrough)  # type: ignore[type-var]
     with pytest.raises(WheelsetTrackError, match="is not finite"):
         Simulator(scenario, models=dataclasses.replace(models, dynamics=dynamics)).advance(1)
+
+
+def _advance_to(simulator: Simulator, step: int) -> None:
+    """Samples before a step that is not finite are handed over first."""
+    while simulator.next_step < step:
+        block = simulator.advance(50)
+        assert np.isfinite(block.forces).all()
+        assert np.isfinite(block.stresses).all()
