@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numba.experimental.function_type  # numba itself imports it too late for ``Address``
 import platformdirs
 
 config: Any = numba.config
+typeof: Any = numba.typeof
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -45,6 +47,36 @@ def inner_kernel(function: Function) -> Function:
 def summing_kernel(function: Function) -> Function:
     """``inner_kernel`` whose sums may be reordered and contracted, to run in vector registers; NaN is kept."""
     return _compiled(function, forceinline=True, fastmath={"reassoc", "contract", "nsz"})
+
+
+def block_kernel(function: Function) -> Function:
+    """``summing_kernel`` for what takes longer than a call does: compiled once for all who call it."""
+    return _compiled(function, fastmath={"reassoc", "contract", "nsz"})
+
+
+class Address:
+    """A kernel that other kernels call by its address: they are compiled without it, and it when one of them is called.
+
+    To them, all kernels of one signature are of one type.
+    """
+
+    def __init__(self, function: Any, result: Any, arguments: tuple[Any, ...]) -> None:
+        """``result`` and ``arguments`` of ``function``: examples, for their types."""
+        self._function, self._address = function, cast("int | None", None)
+        self._signature = typeof(result)(*map(typeof, arguments))
+        self._numba_type_ = numba.types.FunctionType(self._signature)
+
+    def __wrapper_address__(self) -> int:
+        """Where the compiled kernel stands."""
+        if self._address is None:
+            self._function.compile(self._signature.args)
+            compiled = self._function.overloads[self._signature.args]
+            self._address = int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
+        return self._address
+
+    def signature(self) -> Any:
+        """Types of result and arguments."""
+        return self._signature
 
 
 def _compiled(function: Function, **options: Any) -> Function:

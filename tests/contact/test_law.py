@@ -1,3 +1,5 @@
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,11 +16,19 @@ from wheelset_track_sim.contact import (
     solve_patch,
     tables,
 )
-from wheelset_track_sim.contact.law import TABLE_FORCE
-from wheelset_track_sim.contact.law_kernels import solved_force, table_force, tabulated_force, total_separation
+from wheelset_track_sim.contact.law import TABLE_FORCE, solver
+from wheelset_track_sim.contact.law_kernels import (
+    not_solved,
+    solve_contact,
+    solved_force,
+    table_force,
+    tabulated_force,
+    total_separation,
+)
+from wheelset_track_sim.contact.order_kernels import FAR, NestedContacts
 from wheelset_track_sim.contact.tables import force_path
 from wheelset_track_sim.errors import ContactError, InputError
-from wheelset_track_sim.irregularities import Breakout
+from wheelset_track_sim.irregularities import Breakout, Roughness
 from wheelset_track_sim.jit import kernel
 
 DX, N_C = 0.001, 2713
@@ -46,6 +56,12 @@ def law():
 @pytest.fixture(scope="module")
 def plain():
     return build_contact_law(DEFECTS, GEOMETRY, DX, N_C, tables=False)
+
+
+def assert_same(one, other):
+    for mine, theirs in zip((*one, *one.nested), (*other, *other.nested), strict=True):
+        if not isinstance(mine, NestedContacts):
+            np.testing.assert_array_equal(mine, theirs)
 
 
 positions = st.one_of(st.tuples(st.just(0), st.integers(-70, 70)), st.tuples(st.just(1), st.integers(AT - 60, AT + 60)))
@@ -109,8 +125,7 @@ def test_approach_for_force_inverts_the_law(law, plain, tread, force, compliance
 def test_depth_zero_changes_nothing():
     nothing = (Breakout("wheel_1", 0.03, 0.024, 0.0), Breakout("wheel_1", 0.02, 0.02, 0.0, angle=0.01, y=0.002))
     bare, zero = build_contact_law([], GEOMETRY, DX, N_C), build_contact_law(nothing, GEOMETRY, DX, N_C)
-    for mine, other in zip(bare, zero, strict=True):
-        np.testing.assert_array_equal(mine, other)
+    assert_same(bare, zero)
     with_more = build_contact_law((*DEFECTS, *nothing), GEOMETRY, DX, N_C, tables=False)
     without = build_contact_law(DEFECTS, GEOMETRY, DX, N_C, tables=False)
     np.testing.assert_array_equal(with_more.tread, without.tread)
@@ -130,15 +145,55 @@ def test_an_element_ahead_meets_what_comes_next():
     assert law.y[j] == 0.0
 
 
+class Dent(NamedTuple):
+    """A trough across a rail."""
+
+    on: str
+    position: float
+    half_length: float = 0.020
+
+    def height(self, s, y):
+        return -1e-4 * np.exp(-((np.asarray(s) / 0.005) ** 2)) * np.ones_like(y)
+
+
 def test_rail_heights_count_like_tread_heights():
     smooth = build_contact_law([], GEOMETRY, DX, N_C, tables=False)
-    dent = -1e-4 * np.exp(-(((np.arange(600) - 300) / 5) ** 2))[:, None] * np.ones(len(smooth.y))
-    law = smooth._replace(rail=np.stack([dent, 0 * dent]))
+    law = build_contact_law([], GEOMETRY, DX, N_C, rails=[Dent("rail_1", 0.3)], rail_steps=600)
     # Along x the dent sits in the middle of the area at rail step 300, and again one bay on.
     at = contact_force(law, 0, 0, 300, 2e-4, 0.0)
     assert at < 0.9 * contact_force(law, 0, 0, 0, 2e-4, 0.0)
     assert contact_force(law, 0, 7, 900, 2e-4, 0.0) == at
-    assert contact_force(law, 1, 0, 300, 2e-4, 0.0) == contact_force(smooth, 1, 0, 0, 2e-4, 0.0)
+    assert contact_force(law, 1, 0, 300, 2e-4, 0.0) == pytest.approx(contact_force(smooth, 1, 0, 0, 2e-4, 0.0))
+    gap = total_separation(law, 0, 0, 290) - law.separation
+    assert law.x[np.argmax(gap[:, 3])] == pytest.approx(0.010)
+    assert gap.max() == pytest.approx(1e-4)
+    # Under the wheel on that rail no table holds, whatever the tread; the other wheel keeps its own.
+    assert (law.table[0] == -1).all()
+    assert (law.table[1] == 0).all()
+    assert law.rail_mirrored.all()
+
+
+def test_a_tread_that_is_rough_all_around_has_no_tables():
+    treads = [Roughness("wheel_1", N_C * DX), Breakout("wheel_2", 0.003, 0.003, 1e-4)]
+    law = build_contact_law(treads, GEOMETRY, DX, N_C)
+    assert (law.table[0] == -1).all()
+    assert (law.table[1] >= 0).all()
+    assert 1 < len(law.first_point) - 1 < 50
+    assert not law.tread_mirrored[0].any()
+    assert law.tread_mirrored[1].all()
+
+
+def test_what_stands_in_for_the_solver_solves_nothing(law):
+    call = (law, 0, 1000, 0, 1e-4, 0.0, law.in_contact[0], np.empty((0, 0)))
+    assert np.isnan(not_solved(*call)[0])
+    assert solver(law, True).signature() == solver(law, False).signature()
+    assert through(solver(law, False), *call)[2] == FAR
+    assert through(solver(law, True), *call) == solve_contact(*call)
+
+
+@kernel
+def through(solver, law, wheel, tread, rail, approach, compliance, in_contact, pressure):
+    return solver(law, wheel, tread, rail, approach, compliance, in_contact, pressure)
 
 
 def test_pressure_sums_to_the_force_and_leaves_the_state(law, plain):
@@ -230,8 +285,7 @@ def test_tables_are_cached_and_progress_is_told(tmp_path, monkeypatch, caplog):
     told.clear()
     second = build_contact_law([defect], GEOMETRY, DX, N_C, progress=told.append)
     assert not told
-    for mine, other in zip(first, second, strict=True):
-        np.testing.assert_array_equal(mine, other)
+    assert_same(first, second)
     stored = next(cache.folder().glob("force-tables-*.npz"))
     stored.write_bytes(b"damaged")
     third = build_contact_law([defect], GEOMETRY, DX, N_C, progress=told.append)

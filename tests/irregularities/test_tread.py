@@ -50,7 +50,7 @@ class Endless:
 
 
 def test_longer_than_the_circumference_is_refused():
-    with pytest.raises(InputError, match="longer than half the circumference"):
+    with pytest.raises(InputError, match="longer than half of it"):
         tread_heights([Endless()], "wheel_1", N_C, DX, Y)
 
 

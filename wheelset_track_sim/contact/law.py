@@ -8,13 +8,16 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from ..errors import ContactError, InputError
-from ..irregularities import TreadIrregularity, tread_heights
+from ..irregularities import RailIrregularity, TreadIrregularity, rail_heights, tread_heights
+from ..jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .hertz import HertzContact
 from .influence import influence_table
-from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
+from .law_kernels import ContactLaw, contact_force, not_solved, solve_contact, total_separation
+from .nested import nested_contacts, no_nested_contacts
 from .profiles import ContactGeometry
 from .tables import Progress, force_tables, windows
 
@@ -72,6 +75,8 @@ def build_contact_law(
     dx: float,
     n_c: int,
     *,
+    rails: Sequence[RailIrregularity] = (),
+    rail_steps: int = 1,
     dy: float = ELEMENT_WIDTH,
     largest_force: float = 600e3,
     tables: bool | Literal["smooth"] = True,
@@ -79,6 +84,8 @@ def build_contact_law(
 ) -> ContactLaw:
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
 
+    ``rails`` are the irregularities of the rails, which repeat after ``rail_steps`` steps; under a wheel whose rail
+    has some, or whose tread is rough all around, every contact is solved.
     The area holds every contact up to ``largest_force``, N. ``tables`` says whether the force-approach curves up to
     ``TABLE_FORCE`` are worked out beforehand, for every tread position at which an irregularity can bear; without them,
     and above that force, the active set is solved in every step. With ``"smooth"`` only the smooth tread has its
@@ -92,6 +99,8 @@ def build_contact_law(
     ):
         if not low <= value <= high:
             raise InputError(f"{name} = {value:g} is out of range: give a value from {low:g} to {high:g} (SI units)")
+    if not rail_steps >= 1:
+        raise InputError(f"rail_steps = {rail_steps} is out of range: give at least 1 step")
     if not n_c >= 100:
         raise InputError(f"n_c = {n_c} is out of range: give at least 100 steps around the wheel")
 
@@ -102,12 +111,13 @@ def build_contact_law(
     # A crown of the smaller radius needs a larger approach for the same force; so does a tread lowered all over.
     sharper = HertzContact(geometry.wheel_radius, min(geometry.head.radii[:2]), geometry.contact_modulus)
     smooth_reach = sharper.approach(largest_force)
-    reach = smooth_reach + tread.max() - tread.min()
+    rail = np.stack([rail_heights(rails, f"rail_{number}", rail_steps, dx, wide) for number in (1, 2)])
+    reach = smooth_reach + np.ptp(tread) + np.ptp(rail)
     x, y = contact_grid(geometry, dx, dy, reach)
     if len(x) > n_c:
         raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
     nx, ny = len(x), len(y)
-    tread = np.ascontiguousarray(tread[:, :, head - ny // 2 : head + ny // 2 + 1])
+    tread, rail = (np.ascontiguousarray(each[:, :, head - ny // 2 : head + ny // 2 + 1]) for each in (tread, rail))
     separation = geometry.separation(x[:, None], y)
     influence = influence_table(nx, ny, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
 
@@ -121,11 +131,12 @@ def build_contact_law(
             heights, number = heights[:1], np.where(number > 0, np.int32(-1), number)
         stored = force_tables(heights, separation, influence, dx * dy, table_force, progress)
         table, first, points = number, stored.first, stored.points
+        table[rail.any(axis=(1, 2))] = -1
     return ContactLaw(
         tread=tread,
-        rail=np.zeros((2, 1, ny)),
+        rail=rail,
         tread_mirrored=_mirrored_within(tread, nx),
-        rail_mirrored=np.ones(2, np.bool_),
+        rail_mirrored=(rail == rail[:, :, ::-1]).all(axis=(1, 2)),
         x=x,
         y=y,
         separation=separation,
@@ -134,12 +145,20 @@ def build_contact_law(
         table=table,
         first_point=first,
         points=points,
+        tread_top=_highest_within(tread, nx),
+        rail_top=_highest_within(rail, nx),
+        nested=nested_contacts(geometry, x, y) if (table < 0).any() else no_nested_contacts(),
         in_contact=np.zeros((2, nx, ny), np.bool_),
     )
 
 
 def _spaced(half: int, step: float) -> NDArray[np.float64]:
     return np.arange(-half, half + 1, dtype=np.float64) * step
+
+
+def _highest_within(heights: NDArray[np.float64], nx: int) -> NDArray[np.float64]:
+    """Highest of all rows within nx // 2 of each row of (2, n, ny), (2, n)."""
+    return np.asarray(maximum_filter1d(heights.max(axis=2), nx, axis=1, mode="wrap"))
 
 
 def _mirrored_within(tread: NDArray[np.float64], nx: int) -> NDArray[np.bool_]:
@@ -169,6 +188,17 @@ def solve_patch(
             f"compliance {compliance:g} m/N: {REASONS.get(status, 'the inputs are not finite')}"
         )
     return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y)
+
+
+_SOLVERS: dict[bool, Address] = {}
+
+
+def solver(law: ContactLaw, solving: bool) -> Address:
+    """What the coupled step calls where tables have no force: ``solve_contact``, or, without ``solving``, nothing."""
+    if solving not in _SOLVERS:  # to the compiler, all laws are of one type
+        call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
+        _SOLVERS[solving] = Address(solve_contact if solving else not_solved, (0.0, 0.0, 0), call)
+    return _SOLVERS[solving]
 
 
 def force_at(

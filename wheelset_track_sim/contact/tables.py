@@ -22,6 +22,10 @@ Progress = Callable[[float], None]
 """Told the share of the work that is done, 0 to 1."""
 
 
+ROUGH = 0.9
+"""Share of the circumference beyond which a tread is rough all around: then no two positions have a table in common."""
+
+
 @dataclass(frozen=True, eq=False)
 class ForceTables:
     """Exact force-approach curves of several geometries, one after the other."""
@@ -49,7 +53,7 @@ class Windows:
     """Distinct tread heights within the potential contact area, and where on the treads each stands."""
 
     number: NDArray[np.int32]
-    """Window of each tread position, (2, n_c); 0 is the smooth tread."""
+    """Window of each tread position, (2, n_c); 0 is the smooth tread, -1 one that is rough all around."""
     heights: list[NDArray[np.float64]]
     """Windows, each (nx, ny), m."""
 
@@ -69,6 +73,9 @@ def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], smooth_
     offset = np.arange(nx) - nx // 2
     for wheel in range(len(tread)):
         rough = np.flatnonzero(tread[wheel].any(axis=1))
+        if len(rough) > ROUGH * n_c:
+            number[wheel] = -1
+            continue
         for position in np.unique((rough[:, None] - offset) % n_c):
             window = tread[wheel, (position + offset) % n_c]
             if not window[np.minimum(separation, separation - window) < smooth_reach].any():

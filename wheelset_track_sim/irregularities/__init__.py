@@ -5,6 +5,16 @@ Eq. (12) missing material must widen the gap, so there ``r = -height``: the cont
 """
 
 from .breakout import TREAD_HALF_WIDTH, Breakout
+from .rail import RailIrregularity, rail_heights
+from .roughness import Roughness
 from .tread import TreadIrregularity, tread_heights
 
-__all__ = ["TREAD_HALF_WIDTH", "Breakout", "TreadIrregularity", "tread_heights"]
+__all__ = [
+    "TREAD_HALF_WIDTH",
+    "Breakout",
+    "RailIrregularity",
+    "Roughness",
+    "TreadIrregularity",
+    "rail_heights",
+    "tread_heights",
+]

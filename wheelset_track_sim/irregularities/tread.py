@@ -14,8 +14,21 @@ DEEPEST = 0.020
 """Greatest depth of all irregularities together, m: the contact area, and with it the work, grows with it."""
 
 
-class TreadIrregularity(Protocol):
-    """Deviation of a tread over a limited length around a centre."""
+class Shape(Protocol):
+    """Deviation of a surface over a length around a centre."""
+
+    @property
+    def half_length(self) -> float:
+        """Half the extent along the surface, m, the height being zero beyond; infinite if it is all along."""
+        ...
+
+    def height(self, s: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Height over the nominal surface, m, at ``s`` from the centre along the surface and ``y`` across it, m."""
+        ...
+
+
+class TreadIrregularity(Shape, Protocol):
+    """Deviation of a tread."""
 
     @property
     def on(self) -> str:
@@ -25,15 +38,6 @@ class TreadIrregularity(Protocol):
     @property
     def angle(self) -> float:
         """Angle of the centre, in the order in which the tread meets the rail, rad."""
-        ...
-
-    @property
-    def half_length(self) -> float:
-        """Half the extent along the tread, m; the height is zero beyond."""
-        ...
-
-    def height(self, s: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Height over the nominal tread, m, at ``s`` from the centre along the tread and ``y`` across it, m."""
         ...
 
 
@@ -50,25 +54,40 @@ def tread_heights(
     wherever it sits; it wraps around the circumference. Raises InputError for one longer than the circumference,
     for heights that are not finite, and where all together are deeper than ``DEEPEST``.
     """
-    heights = np.zeros((rolling_circumference_steps, len(y)))
-    for irregularity in irregularities:
-        if irregularity.on != wheel:
-            continue
-        reach = int(np.ceil(irregularity.half_length / dx - 1e-9))
-        if 2 * reach + 1 > rolling_circumference_steps:
-            raise InputError(
-                f"half length = {irregularity.half_length:g} m on {wheel} is longer than half the circumference: "
-                f"give up to {dx * rolling_circumference_steps / 2:g} m"
-            )
-        centre = round(irregularity.angle / (2 * np.pi) * rolling_circumference_steps)
-        offset = np.arange(-reach, reach + 1)
-        rows = (centre + offset) % rolling_circumference_steps
-        heights[rows] += irregularity.height(offset[:, None] * dx, y[None, :])
-    if not np.isfinite(heights).all():
-        raise InputError(f"tread heights of {wheel} are not finite: give finite irregularities")
+    placed = [
+        (round(each.angle / (2 * np.pi) * rolling_circumference_steps), each)
+        for each in irregularities
+        if each.on == wheel
+    ]
+    heights = summed_heights(placed, wheel, rolling_circumference_steps, dx, y)
     if -heights.min() > DEEPEST:
         raise InputError(
             f"tread of {wheel} is {-heights.min():.3g} m deep where irregularities overlap: "
             f"give depths that add up to {DEEPEST:g} m at most"
         )
+    return heights
+
+
+def summed_heights(
+    placed: Iterable[tuple[int, Shape]], surface: str, steps: int, dx: float, y: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Sum of the heights of shapes placed at steps on a ``surface`` that repeats after ``steps``, (steps, len(y)), m.
+
+    Raises InputError for one longer than the surface, but for an infinite one, and for heights that are not finite.
+    """
+    heights = np.zeros((steps, len(y)))
+    for centre, shape in placed:
+        if np.isinf(shape.half_length):
+            offset = np.arange(steps) - steps // 2
+        else:
+            reach = int(np.ceil(shape.half_length / dx - 1e-9))
+            if 2 * reach + 1 > steps:
+                raise InputError(
+                    f"half length = {shape.half_length:g} m on {surface} is longer than half of it: "
+                    f"give up to {dx * steps / 2:g} m"
+                )
+            offset = np.arange(-reach, reach + 1)
+        heights[(centre + offset) % steps] += shape.height(offset[:, None] * dx, y[None, :])
+    if not np.isfinite(heights).all():
+        raise InputError(f"heights of {surface} are not finite: give finite irregularities")
     return heights

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.law_kernels import ContactLaw, solved_force, tabulated_force
+from ..contact.law_kernels import ContactLaw, tabulated_force
 from ..jit import kernel
 from .dynamics_kernels import advance, displacements, stresses
 
@@ -15,6 +15,7 @@ from .dynamics_kernels import advance, displacements, stresses
 def run(
     dynamics: Any,
     law: ContactLaw,
+    solver: Any,
     preload: np.ndarray,
     tread_origin: int,
     first_step: int,
@@ -24,11 +25,13 @@ def run(
 ) -> int:
     """Take one coupled step for each row of ``forces`` (n, 2); returns how many of them were solved.
 
-    ``preload`` (2,) m is the approach of wheel and rail without dynamics that loads each contact with the static
-    force; ``tread_origin`` is the step at which angle 0 of the treads meets the rail. Fills ``forces`` in N,
+    ``solver`` is asked where tables have no force (``contact.law.solver``). ``preload`` (2,) m is the approach of wheel
+    and rail without dynamics that loads each contact with the static force; ``tread_origin`` is the step at which
+    angle 0 of the treads meets the rail. Fills ``forces`` in N,
     ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the force displaces at once.
-    A count below n means that the contact problem of that step has no solution; the state stays at that step.
+    A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
+    none = np.empty((0, 0))
     period = law.tread.shape[1]
     bay = dynamics.rail_compliance.size
     for row in range(forces.shape[0]):
@@ -41,7 +44,7 @@ def run(
             tread = (step - tread_origin) % period
             force = tabulated_force(law, wheel, tread, approach, compliance)
             if not np.isfinite(force):
-                force = solved_force(law, wheel, tread, step, approach, compliance)
+                force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
             if not np.isfinite(force):
                 return row
             forces[row, wheel] = force
