@@ -206,6 +206,17 @@ def test_others_follow_the_clock_of_the_node(start, client, summaries, follower)
         assert now == pytest.approx(end, abs=MOMENT)
 
 
+def test_two_that_tell_the_time_are_warned_of(start, client, summaries):
+    OuterClock(client, 1.0)
+    node = start(scenario="undamaged", publish_clock="true", autostart="false")
+    assert client.transition("configure")
+    client.until(lambda: client.node.count_publishers("/clock") == 2)
+    assert client.transition("activate")
+    client.until(lambda: summaries)
+    assert node.signal(signal.SIGINT) == 0, node.errors
+    assert "1 more publish on /clock" in node.errors + node.output
+
+
 def test_node_cannot_follow_its_own_clock(start, client):
     both = start("--ros-args", "--log-level", "fatal", scenario="undamaged", publish_clock="true", use_sim_time="true")
     assert both.wait() == 2

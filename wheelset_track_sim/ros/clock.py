@@ -27,7 +27,7 @@ class NodeClock:
 
     def __init__(self, node: Node, *, publish: bool) -> None:
         """Of ``node``, as long as it lives; with ``publish`` it tells the time on ``/clock``."""
-        self._clock = node.get_clock()
+        self._node, self._clock = node, node.get_clock()
         self._log = node.get_logger()
         self._sleeping: set[threading.Event] = set()
         self.epoch = 0
@@ -76,6 +76,13 @@ class NodeClock:
         """Wake all who sleep."""
         for wake in tuple(self._sleeping):
             wake.set()
+
+    def warn_of_others(self) -> None:
+        """Log if the node is not the only one that tells the time."""
+        if self._publisher is not None:
+            others = self._node.count_publishers(self._publisher.topic_name) - 1
+            if others > 0:
+                self._log.warning(f"{others} more publish on {TOPIC}: let one do it")
 
     def tell(self, now_ns: int) -> None:
         """Publish a time, if the node is to publish it."""

@@ -256,6 +256,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
     def _wait_for_time(self) -> None:
         """With ``use_sim_time`` stamps and pace begin with the first message on ``/clock``."""
+        self._time.warn_of_others()
         if self._time.now_ns() > 0:
             return
         told = "waiting for the time on /clock"
