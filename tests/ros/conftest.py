@@ -214,26 +214,37 @@ class Client:
 
 
 @pytest.fixture
-def client(domain, running, monkeypatch):
+def make_client(domain, running, monkeypatch):
+    """Make a client: each has a context, an executor and a thread of its own, as another process would."""
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.task import Future
 
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=domain)
-    node = rclpy.create_node("client", context=context)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    done = Future()
-    thread = threading.Thread(target=executor.spin_until_future_complete, args=[done])
-    thread.start()
-    yield Client(node, running)
-    done.set_result(None)
-    thread.join()
-    executor.shutdown()
-    node.destroy_node()
-    context.shutdown()
+    with ExitStack() as stack:
+
+        def make(name="client"):
+            context = rclpy.Context()
+            rclpy.init(context=context, domain_id=domain)
+            stack.callback(context.shutdown)
+            node = rclpy.create_node(name, context=context)
+            stack.callback(node.destroy_node)
+            executor = SingleThreadedExecutor(context=context)
+            stack.callback(executor.shutdown)
+            executor.add_node(node)
+            done = Future()
+            thread = threading.Thread(target=executor.spin_until_future_complete, args=[done])
+            thread.start()
+            stack.callback(thread.join)
+            stack.callback(done.set_result, None)
+            return Client(node, running)
+
+        yield make
+
+
+@pytest.fixture
+def client(make_client):
+    return make_client()
 
 
 @pytest.fixture(params=[signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)

@@ -24,7 +24,7 @@ from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
-from .recorder import Recorder, next_free
+from .recorder import Recorder
 from .revisions import Revisions
 from .run import Run
 from .services import Services
@@ -61,6 +61,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._models = models or ModelPool()
         self._transition = threading.Lock()
         self._interrupted = False
+        self._accepted = ""  # what to know of parameters that were set
         self._refusal: WheelsetTrackError | None = None
         self.parameters = Parameters(self)
         self._pace = self.parameters.pace({})
@@ -136,7 +137,11 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """As that of every node; no other change comes between the check of the values and the values themselves."""
         with self.revisions.lock:
-            return super().set_parameters_atomically(parameter_list)
+            self._accepted = ""
+            result = super().set_parameters_atomically(parameter_list)
+            if result.successful:
+                result.reason = self._accepted
+            return result
 
     def pause(self) -> str:
         """Deactivate; what to know about it. Raises InputError if there is nothing to pause."""
@@ -157,11 +162,11 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         try:
             before = self.needed_run()
             simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
-            running, bag = before.running, self.recorder.path
+            running, recording = before.running, self.recorder.path
             before.end()
             with suppress(RecordingError):  # the recorder keeps it
                 self.recorder.stop()
-            self._begin(simulator, next_free(Path(bag)) if bag else None)
+            self._begin(simulator, self.recorder.beside() if recording else None)
             if running:
                 self._go_on()
             else:
@@ -325,7 +330,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
             return SetParametersResult(successful=False, reason=str(refusal))
         if self.run is not None and self.revisions.scenario != before:
-            self.get_logger().info(f"revision {revision.number} from step {revision.step}")
+            self._accepted = f"revision {revision.number} from step {revision.step}"
+            self.get_logger().info(self._accepted)
         if changes.get("use_sim_time", self._time.following) != self._time.following:
             self._earliest_ns = 0  # stamps of another time
         self._outputs.decimation = self.parameters.decimation(changes)

@@ -26,6 +26,7 @@ class Recorder:
         self._prefix = prefix
         self._lock = threading.Lock()
         self._bag: BagWriter | None = None
+        self._first = self._beside = Path()
         self.lost: RecordingError | None = None
         """What ended the last recording before its time."""
 
@@ -44,6 +45,7 @@ class Recorder:
             if self._bag is not None:
                 raise InputError(f"{self._bag.path} is being recorded: stop it first")
             self._bag = BagWriter(path, run_info(simulator), start_ns=start_ns, prefix=self._prefix)
+            self._first = self._first if path == self._beside else path
             self.lost = None
 
     def write(self, messages: Iterable[Message]) -> None:
@@ -91,6 +93,13 @@ class Recorder:
             except RecordingError:
                 return  # the first error is the one to tell
 
+    def beside(self) -> Path:
+        """A bag for the next run, beside that of the first: the first of ``PATH_2``, ``PATH_3``, ... that is free."""
+        first = self._first
+        tried = (first.with_name(f"{first.stem}_{number}{first.suffix}") for number in count(2))
+        self._beside = next(path for path in tried if not path.exists())
+        return self._beside
+
     def path_now(self, folder: str) -> Path:
         """A bag in ``folder`` by date and time, and by the name of the node if it has one of its own."""
         return Path(folder).expanduser() / name_now(self._prefix)
@@ -112,12 +121,6 @@ def path_below(folder: str, name: str) -> Path:
     if Path(name).is_absolute() or ".." in Path(name).parts or base not in path.parents:
         raise InputError(f"name = {shown} leads out of {base}: give a path below it, without ..")
     return path
-
-
-def next_free(path: Path) -> Path:
-    """The first of ``path_2``, ``path_3``, ... that does not exist."""
-    tried = (path.with_name(f"{path.stem}_{number}{path.suffix}") for number in count(2))
-    return next(found for found in tried if not found.exists())
 
 
 def name_now(node: str) -> str:
