@@ -142,9 +142,10 @@ def test_coupled_step(measure: Measure, turn: Run, dynamics: Any) -> None:
     first = iter(range(0, 10**9, STEPS))
 
     tables_only, origin = solver(turn.law, False), turn.models.tread_origin
+    preload = np.tile(turn.preload, (STEPS, 1))
 
     def call() -> None:
-        solved = run(dynamics, turn.law, tables_only, turn.preload, origin, next(first), forces, stress, xi)
+        solved = run(dynamics, turn.law, tables_only, preload, origin, next(first), forces, stress, xi)
         assert solved == STEPS
 
     timed(measure, call)

@@ -37,7 +37,8 @@ class RoughWheels(NamedTuple):
 
     def advance(self, steps: int) -> tuple[np.ndarray, np.ndarray]:
         """Contact forces (n, 2) N and stress components (n, S) Pa of the next ``steps`` steps."""
-        return self.coupled.run(self.condition, self.condition.scenario.speed, steps)
+        preload = np.tile(self.condition.preload, (steps, 1))
+        return self.coupled.run(self.condition, self.condition.scenario.speed, preload)
 
 
 def rough_law(models: Models, level: float = 0.0) -> ContactLaw:
@@ -69,7 +70,7 @@ def contacts(law: ContactLaw, approach: np.ndarray, forces: np.ndarray) -> None:
         forces[i] = solve_contact(law, 0, i, i, approach[i], 0.0, law.in_contact[0], none)[0]
 
 
-def time_of_contact(law: ContactLaw, load: float, steps: int = 300, rounds: int = 20) -> float:
+def time_of_contact(law: ContactLaw, load: float, steps: int = 300, rounds: int = 10) -> float:
     """Time of one solution around ``load`` N, s: the approach follows the roughness, as wheels nearly do."""
     approach = np.array([approach_for_force(law, 0, i, i, load) for i in range(0, steps, 10)])
     approach = np.interp(np.arange(steps), np.arange(0, steps, 10), approach)

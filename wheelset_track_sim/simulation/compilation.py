@@ -96,7 +96,7 @@ def compile_kernels() -> None:
         table=np.zeros((2, 1000), np.int32), first_point=np.array([0, 2]), points=np.array([[0.0, 0.0], [1.0, 1e9]])
     )
     forces, _ = Coupled(models, 0.0, 0, scenario.speed).run(
-        Condition(Revision(0, 0), scenario, law, np.zeros(2)), scenario.speed, 1
+        Condition(Revision(0, 0), scenario, law, np.zeros(2)), scenario.speed, np.zeros((1, 2))
     )
     summarise(SampleBlock(0, 0.0, 1.0, 1.0, 0.0, 0, forces, np.ones((1, len(nodes), 6)), nodes))
     (cache_folder() / DONE).touch()

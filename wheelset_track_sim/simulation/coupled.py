@@ -43,14 +43,14 @@ class Coupled:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
         return self._xi
 
-    def run(self, condition: Condition, speed: float, steps: int, ahead: Sequence[float] = ()) -> tuple[Real, Real]:
-        """Forces (n, 2) N and stress components (n, S) Pa of the next ``steps`` steps at ``speed`` m/s.
+    def run(self, condition: Condition, speed: float, preload: Real, ahead: Sequence[float] = ()) -> tuple[Real, Real]:
+        """Forces (n, 2) N and stress components (n, S) Pa of the next n steps at ``speed`` m/s.
 
-        ``ahead`` are the speeds that come next. The steps are fewer if a contact problem has no solution behind them;
-        ContactError is raised if it is the first.
+        ``preload`` (n, 2) m is that of each step; ``ahead`` are the speeds that come next. The steps
+        are fewer if a contact problem has no solution behind them; ContactError is raised if it is the first.
         """
         self._make_ready(speed, ahead)
-        law = condition.law
+        law, steps = condition.law, len(preload)
         tables = bool((law.table >= 0).all())
         forces = np.empty((steps, 2))
         stress = np.empty((steps, len(self._models.dynamics.stress_rows)))
@@ -64,8 +64,8 @@ class Coupled:
                 solved += run(
                     self._dynamics,
                     law,
-                    solver(law, solving),
-                    condition.preload,
+                    solver(law) if solving else None,
+                    preload[part],
                     self._models.tread_origin,
                     self._next + solved,
                     forces[part],
@@ -78,7 +78,7 @@ class Coupled:
             done += solved
             if done < stop:
                 if done == 0:
-                    self._refuse(condition, xi)
+                    self._refuse(preload, xi)
                 break
         self._xi = xi[:done]
         return forces[:done], stress[:done]
@@ -106,8 +106,8 @@ class Coupled:
         )
         return done + 1 if changes else stop
 
-    def _refuse(self, condition: Condition, xi: Real) -> None:
-        approach = condition.preload - xi[0].sum(axis=0)
+    def _refuse(self, preload: Real, xi: Real) -> None:
+        approach = preload[0] - xi[0].sum(axis=0)
         raise ContactError(
             f"the contact problem of step {self._next} has no solution: approach of wheel 1 and 2 is "
             f"{approach[0]:g} and {approach[1]:g} m, beyond what half-spaces of this size can carry"

@@ -18,6 +18,7 @@ from .changes import Revision as Revision
 from .contacts import Contact
 from .coupled import AHEAD, Coupled
 from .finite import require_finite
+from .loading import Loading
 from .models import Models, load_models
 from .speed import Course, Stretch
 
@@ -48,7 +49,9 @@ class Simulator:
         settling = round(SETTLING / scenario.step_period)
         smooth = Condition(Revision(0, 0), scenario, self._models.contact_law(()), self._preload_for(scenario))
         self._coupled = Coupled(self._models, scenario.wheel_load, -settling, scenario.speed)
-        self._coupled.run(smooth, scenario.speed, settling)
+        self._loading = Loading(smooth.preload)
+        self._preload = np.tile(smooth.preload, (settling, 1))
+        self._coupled.run(smooth, scenario.speed, self._preload)
         self._changes = Changes(smooth, self._models.tread_origin)
         law = self._models.contact_law(scenario.irregularities, progress)
         self._changes.add(scenario, law, smooth.preload, number=0)
@@ -128,8 +131,8 @@ class Simulator:
 
     def approach(self, wheel: int, row: int) -> tuple[ContactLaw, float]:
         """Contact law and approach, m, of ``wheel`` (0 or 1) at sample ``row`` of the latest block."""
-        condition = self._changes.in_force
-        return condition.law, float(condition.preload[wheel] - self.displacements[row, :, wheel].sum())
+        approach = self._preload[row, wheel] - self.displacements[row, :, wheel].sum()
+        return self._changes.in_force.law, float(approach)
 
     def apply(self, scenario: Scenario, progress: Progress | None = None) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
@@ -137,8 +140,9 @@ class Simulator:
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
         It comes into force between two blocks, at the first step at which no irregularity that changes is in the
-        contact patch; after one turn of the wheel at the latest. There the ramp to a changed ``speed`` begins, which
-        then ends the speed plan for good; without the plan in ``scenario`` it ends at an unchanged ``speed``, too.
+        contact patch; after one turn of the wheel at the latest. From there on a changed load rises (``loading``), and
+        there the ramp to a changed ``speed`` begins, which then ends the speed plan for good; without the plan in
+        ``scenario`` it ends at an unchanged ``speed``, too.
         """
         newest = self._changes.newest
         current = newest.scenario
@@ -173,7 +177,9 @@ class Simulator:
         scenario, on = condition.scenario, self._course.at(first)
         end = self._changes.claim(min(first + steps, self._course.border(first)))
         ahead = [stretch.speed for stretch in self._course.ahead(first)[:AHEAD]]
-        forces, stress = self._coupled.run(condition, on.speed, end - first, ahead)
+        rows = np.arange(first - on.step, end - on.step, dtype=np.float64)
+        self._preload = self._loading.at(on.time + rows * (scenario.step_length / on.speed))
+        forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
         require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
@@ -197,11 +203,13 @@ class Simulator:
         return displaced + approach_for_force(smooth, 0, 0, 0, load)
 
     def _install_due(self) -> None:
-        """Conditions that are due, and the course from here on if it is another one."""
-        before = self.in_force
+        """Conditions that are due; course and loading from here on if they are others."""
+        before, time = self.in_force, self.time
+        self._loading = self._loading.over(time)
         for condition in self._changes.due(self.next_step):
             now = condition.scenario
             if any(getattr(now, key) != getattr(before, key) for key in ("speed", "acceleration", "speed_plan")):
                 set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed
                 self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)
+            self._loading = self._loading.changed(time, condition.preload)
             before = now
