@@ -11,7 +11,7 @@ import pytest
 from conftest import Measure, group
 
 from wheelset_track_sim.commands.run import CHUNK
-from wheelset_track_sim.contact.law import approach_for_force, solver
+from wheelset_track_sim.contact.law import approach_for_force
 from wheelset_track_sim.one_core import one_core
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
@@ -141,11 +141,11 @@ def test_coupled_step(measure: Measure, turn: Run, dynamics: Any) -> None:
     stress = np.empty((STEPS, len(dynamics.stress_direct)))
     first = iter(range(0, 10**9, STEPS))
 
-    tables_only, origin = solver(turn.law, False), turn.models.tread_origin
+    origin = turn.models.tread_origin
     preload = np.tile(turn.preload, (STEPS, 1))
 
     def call() -> None:
-        solved = run(dynamics, turn.law, tables_only, preload, origin, next(first), forces, stress, xi)
+        solved = run(dynamics, turn.law, None, preload, origin, next(first), forces, stress, xi)
         assert solved == STEPS
 
     timed(measure, call)

@@ -46,7 +46,7 @@ def settled() -> Callable[[str], Settled]:
         steps = place - first
         out = np.empty((steps, 2)), np.empty((steps, len(models.dynamics.stress_rows))), np.empty((steps, 2, 2))
         each = np.tile(preload, (steps, 1))
-        assert run(dynamics, smooth, solver(smooth, True), each, models.tread_origin, first, *out) == steps
+        assert run(dynamics, smooth, solver(smooth), each, models.tread_origin, first, *out) == steps
         here = dynamics._replace(past=dynamics.past.copy(), coming=dynamics.coming.copy(), done=dynamics.done.copy())
         found[name] = Settled(here, damaged, preload, models.tread_origin, place, scenario.step_period)
         first = place
@@ -58,7 +58,7 @@ def by_package(settled: Settled) -> tuple[np.ndarray, np.ndarray]:
     dynamics = dynamics._replace(past=dynamics.past.copy(), coming=dynamics.coming.copy(), done=dynamics.done.copy())
     forces, stress, xi = np.empty((STEPS, 2)), np.empty((STEPS, len(dynamics.stress))), np.empty((STEPS, 2, 2))
     each = np.tile(preload, (STEPS, 1))
-    assert run(dynamics, law, solver(law, True), each, tread_origin, first, forces, stress, xi) == STEPS
+    assert run(dynamics, law, solver(law), each, tread_origin, first, forces, stress, xi) == STEPS
     return forces, stress
 
 

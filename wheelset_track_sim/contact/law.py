@@ -16,7 +16,7 @@ from ..jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .hertz import HertzContact
 from .influence import influence_table
-from .law_kernels import ContactLaw, contact_force, not_solved, solve_contact, total_separation
+from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
 from .nested import nested_contacts, no_nested_contacts
 from .profiles import ContactGeometry
 from .tables import Progress, force_tables, windows
@@ -190,15 +190,15 @@ def solve_patch(
     return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y)
 
 
-_SOLVERS: dict[bool, Address] = {}
+_SOLVER: list[Address] = []
 
 
-def solver(law: ContactLaw, solving: bool) -> Address:
-    """What the coupled step calls where tables have no force: ``solve_contact``, or, without ``solving``, nothing."""
-    if solving not in _SOLVERS:  # to the compiler, all laws are of one type
+def solver(law: ContactLaw) -> Address:
+    """``solve_contact`` for the coupled step; compiled when that is called, which takes half a minute, once."""
+    if not _SOLVER:  # to the compiler, all laws are of one type
         call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
-        _SOLVERS[solving] = Address(solve_contact if solving else not_solved, (0.0, 0.0, 0), call)
-    return _SOLVERS[solving]
+        _SOLVER.append(Address(solve_contact, (0.0, 0.0, 0), call))
+    return _SOLVER[0]
 
 
 def force_at(

@@ -176,21 +176,6 @@ def solved_force(
 
 
 @kernel
-def not_solved(
-    law: ContactLaw,
-    wheel: int,
-    tread_index: int,
-    rail_index: int,
-    approach: float,
-    compliance: float,
-    in_contact: NDArray[np.bool_],
-    pressure: NDArray[np.float64],
-) -> tuple[float, float, int]:
-    """What stands in for ``solve_contact`` as long as tables do: it takes half a minute to compile, once."""
-    return np.nan, np.nan, FAR
-
-
-@kernel
 def contact_force(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> float:

@@ -109,7 +109,7 @@ def smooth_contact(
     n = 0
     for c in range(m):
         n += gap[c] < edge
-    n = (n + PANEL // 2) & -PANEL
+    n = (n + n // 20 + PANEL // 2) & -PANEL  # elements in contact whose middle is beyond the edge
     return deepest, edge, n if n <= m else n - PANEL
 
 

@@ -25,11 +25,11 @@ def run(
 ) -> int:
     """Take one coupled step for each row of ``forces`` (n, 2); returns how many of them were solved.
 
-    ``solver`` is asked where tables have no force (``contact.law.solver``); None leaves such steps unsolved, is compiled
-    without and is faster. ``preload`` (n, 2) m is the approach of
-    wheel and rail without dynamics that loads each contact with the static force; ``tread_origin`` is the step at which
-    angle 0 of the treads meets the rail. Fills ``forces`` in N,
-    ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the force displaces at once.
+    ``solver`` is asked where tables have no force (``contact.law.solver``); with None, which is compiled without it and
+    runs faster, such steps are not solved. ``preload`` (n, 2) m is the approach of wheel and rail without dynamics that
+    loads each contact with the static force; ``tread_origin`` is the step at which angle 0 of the treads meets the
+    rail. Fills ``forces`` in N, ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the
+    force displaces at once.
     A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
     none = np.empty((0, 0))
@@ -44,7 +44,7 @@ def run(
             compliance = of_wheel + of_rail
             tread = (step - tread_origin) % period
             force = tabulated_force(law, wheel, tread, approach, compliance)
-            if solver is not None:
+            if solver is not None:  # noqa: SIM102 - alone, so that the compiler leaves out what follows
                 if not np.isfinite(force):
                     force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
             if not np.isfinite(force):
