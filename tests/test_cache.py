@@ -1,4 +1,6 @@
 import logging
+import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,3 +74,19 @@ def test_digest_follows_values_and_sources() -> None:
     assert cache.digest(inputs, schema) == cache.digest(dict(reversed(inputs.items())), schema)
     assert cache.digest(inputs, schema) != cache.digest(inputs, errors)
     assert cache.digest(inputs) != cache.digest(inputs | {"a": np.nextafter(0.1, 1)})
+
+
+def test_of_a_kind_with_a_bound_those_used_last_are_kept(builds: SimpleNamespace) -> None:
+    def get(key: str, kind: str = "many", most: float = math.inf) -> None:
+        cache.cached(kind, Line, key, lambda: Line(np.arange(3.0)), most=most)
+
+    get("other", kind="line")
+    for age, key in enumerate("abcd"):
+        get(key)
+        os.utime(builds.folder / f"many-{key}.npz", (age, age))
+    size = (builds.folder / "many-a.npz").stat().st_size
+    get("a")  # is used again
+    get("e", most=3.5 * size)
+    assert sorted(path.name[:-4] for path in builds.folder.iterdir()) == ["line-other", "many-a", "many-d", "many-e"]
+    get("f", most=0.5 * size)  # not even the new one fits
+    assert [path.name for path in builds.folder.iterdir()] == ["line-other.npz"]

@@ -9,10 +9,13 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
+import math
 import os
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, is_dataclass
+from itertools import accumulate
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -68,18 +71,26 @@ def digest(inputs: Any, *sources: ModuleType) -> str:
     return hashed.hexdigest()
 
 
-def cached(kind: str, model: type[Model], key: str, build: Callable[[], Model]) -> Model:
-    """Model stored as ``kind-key.npz``; built and stored if it is missing, damaged or of another layout."""
+def cached(kind: str, model: type[Model], key: str, build: Callable[[], Model], *, most: float = math.inf) -> Model:
+    """Model stored as ``kind-key.npz``; built and stored if it is missing, damaged or of another layout.
+
+    Of this kind at most ``most`` bytes are kept, those that were used last.
+    """
     path = folder() / f"{kind}-{key}.npz"
     if path.exists():
         try:
             with np.load(path, allow_pickle=False) as stored:
-                return model.from_arrays(dict(stored))
+                found = model.from_arrays(dict(stored))
+            with suppress(OSError):  # a folder that may be read only
+                os.utime(path)
+            return found
         except Exception as damage:  # noqa: BLE001  any damage whatever ends in a rebuild
             log.warning("cached model %s cannot be read (%s): built again", path, damage)
     with one_core():
         built = build()
     store(path, built)
+    if most < math.inf:
+        _keep_latest(kind, most)
     return built
 
 
@@ -99,6 +110,18 @@ def store(path: Path, model: Storable) -> None:
         log.warning("model is not cached: %s cannot be written (%s)", path, reason)
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+
+
+def _keep_latest(kind: str, most: float) -> None:
+    """Remove the models of a kind that were used longest ago, as far as all together have more than ``most`` bytes."""
+    with suppress(OSError):  # another process removes, too
+        found = sorted(
+            ((path.stat(), path) for path in folder().glob(f"{kind}-*.npz")), key=lambda one: -one[0].st_mtime_ns
+        )
+        sizes = accumulate(stat.st_size for stat, _ in found)
+        for size, (_, path) in zip(sizes, found, strict=True):
+            if size > most:
+                path.unlink(missing_ok=True)
 
 
 def _plain(value: Any) -> Any:

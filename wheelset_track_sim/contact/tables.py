@@ -18,6 +18,9 @@ from .path_kernels import follow_path
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+STORED = 256e6
+"""Bytes of force tables kept on disk, some hundred defects: a node whose damage changes all day does not fill it."""
+
 Progress = Callable[[float], None]
 """Told the share of the work that is done, 0 to 1."""
 
@@ -166,7 +169,7 @@ def force_tables(
     for array in (separation, influence, *heights):
         contents.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
     key = cache.digest([contents.hexdigest(), element_area, largest_force], path_kernels, active_set_kernels)
-    tables = cache.cached("force-tables", ForceTables, key, build)
+    tables = cache.cached("force-tables", ForceTables, key, build, most=STORED)
     if len(tables.first) != len(heights) + 1:
         raise ContactError(f"{len(tables.first) - 1} force tables are stored for {len(heights)} geometries")
     return tables
