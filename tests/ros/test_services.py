@@ -198,7 +198,7 @@ def test_a_change_that_takes_long_holds_up_nothing_else(start, client, services,
     start(scenario="undamaged")
     client.until(lambda: forces)
     depth = random.SystemRandom().uniform(0.001, 0.0011)  # new to every cache
-    many = [{"wheel": 1 + n % 2, "angle": 0.5 * n, "h": depth + 1e-7 * n, "y": 0.001 * (n % 5)} for n in range(12)]
+    many = [{"wheel": 1 + n % 2, "angle": 0.5 * n, "h": depth + 1e-7 * n, "y": 0.001 * (n % 5)} for n in range(8)]
     answers = []
     waiting = threading.Thread(target=lambda: answers.append(services.damage(*many)))
     waiting.start()
@@ -216,9 +216,28 @@ def test_a_change_that_takes_long_holds_up_nothing_else(start, client, services,
     behind = other.client.set(axle_load=180e3)  # is a change, too: the next
     waiting.join()
     assert behind.successful
-    assert behind.reason.startswith("revision 2 from step")
+    assert behind.reason.startswith("revision 2 from step") or not behind.reason  # it was asked again
+    client.until(lambda: forces[-1].revision == 2)
     assert (answers[0].success, answers[0].revision) == (True, 1)
     assert_gap_free(forces)
+
+
+def test_a_signal_breaks_off_a_change_that_takes_long(start, client, services, forces):
+    node = start(scenario="undamaged")
+    client.until(lambda: forces)
+    depth = random.SystemRandom().uniform(0.001, 0.0011)
+    many = [
+        {"wheel": 1 + n % 2, "angle": 0.12 * (n // 2), "h": depth + 1e-6 * n, "y": 0.001 * (n % 5)} for n in range(100)
+    ]
+    answers = []
+    waiting = threading.Thread(target=lambda: answers.append(services.damage(*many)), daemon=True)  # minutes
+    waiting.start()
+    time.sleep(3.0)
+    assert not answers
+    running = client.running.copy()
+    client.running.clear()  # it is meant to end
+    end(node)
+    assert running == [node]
 
 
 def test_pause_and_resume_are_the_transitions_of_the_lifecycle(start, client, services, forces, states):
