@@ -28,7 +28,7 @@ LOADS = (50e3, 100e3, 200e3, 350e3)
 """N."""
 
 
-class RoughWheels(NamedTuple):
+class RoughRun(NamedTuple):
     """A wheelset at a step of its run over rough rails."""
 
     coupled: Coupled
@@ -49,7 +49,7 @@ def rough_law(models: Models, level: float = 0.0) -> ContactLaw:
     return build_contact_law(treads, models.geometry, dx, turn, rails=rails, rail_steps=RAIL_STEPS)
 
 
-def rough_wheels(level: float = 0.0, **changes: Any) -> RoughWheels:
+def settled_run(level: float = 0.0, **changes: Any) -> RoughRun:
     """Rough wheels on rough rails, settled; ``changes`` to the scenario ``undamaged``."""
     scenario = replace(load_scenario("undamaged"), **changes)
     models = load_models(scenario)
@@ -57,7 +57,7 @@ def rough_wheels(level: float = 0.0, **changes: Any) -> RoughWheels:
     displaced = models.dynamics.preload(load, dx, speed)
     preload = displaced + approach_for_force(models.contact_law(()), 0, 0, 0, load)
     condition = Condition(Revision(0, 0), scenario, rough_law(models, level), preload)
-    run = RoughWheels(Coupled(models, load, 0, speed), condition, scenario.step_period)
+    run = RoughRun(Coupled(models, load, 0, speed), condition, scenario.step_period)
     run.advance(round(0.5 / scenario.step_period))
     return run
 
@@ -84,9 +84,9 @@ def time_of_contact(law: ContactLaw, load: float, steps: int = 300, rounds: int 
     return best / steps
 
 
-def rough_run(seconds: float = 2.0, level: float = 0.0) -> dict[str, float]:
+def rough_wheels(seconds: float = 2.0, level: float = 0.0) -> dict[str, float]:
     """Real-time factor of the best part of a run, its forces, and the time of single contacts, us."""
-    run = rough_wheels(level)
+    run = settled_run(level)
     steps = round(0.1 / run.step_period)
     found, best = [], np.inf
     for _ in range(max(1, round(seconds / 0.1))):
@@ -105,5 +105,5 @@ def rough_run(seconds: float = 2.0, level: float = 0.0) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    for name, value in rough_run(*map(float, sys.argv[1:])).items():
+    for name, value in rough_wheels(*map(float, sys.argv[1:])).items():
         print(f"{name}: {value:.3g}")

@@ -48,9 +48,10 @@ def let_go(
     for c in places:
         p[c] = 0.0
     changes = 0
-    for c in range(first, end):
-        if p[c] < suction:
-            in_contact[c] = False
+    pressures, bear = p[first:end], in_contact[first:end]
+    for c in range(len(bear)):
+        if pressures[c] < suction:
+            bear[c] = False
             changes += 1
     return changes
 
@@ -72,9 +73,10 @@ def bring_in(
     for c in places:
         felt[c] = np.inf
     changes = 0
-    for c in range(first, end):
-        if felt[c] < overlap[c] - lost:
-            in_contact[c] = True
+    displaced, over, bear = felt[first:end], overlap[first:end], in_contact[first:end]
+    for c in range(len(bear)):
+        if displaced[c] < over[c] - lost:
+            bear[c] = True
             changes += 1
     return changes
 

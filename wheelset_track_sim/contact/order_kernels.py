@@ -138,14 +138,14 @@ def bring_in_far(
     mean_x, mean_y, square = mean_x / total, mean_y / total, square / total
     least = (nested.far * total) ** 2
     changes = 0
-    for c in range(first, len(gap)):
-        overlap = local - gap[c]
-        if overlap > 0.0 and not in_contact[c]:
-            x, y = nested.x[c], nested.y[c]
-            distance_2 = x * x + y * y - 2.0 * (x * mean_x + y * mean_y) + square
+    gaps, x, y, bear = gap[first:], nested.x[first:], nested.y[first:], in_contact[first:]
+    for c in range(len(gaps)):
+        overlap = local - gaps[c]
+        if overlap > 0.0 and not bear[c]:
+            distance_2 = x[c] * x[c] + y[c] * y[c] - 2.0 * (x[c] * mean_x + y[c] * mean_y) + square
             if not overlap * overlap * distance_2 <= least:  # NaN, too: without pressure there is no mean
-                mine = nested.factor[row(c) : row(c) + width(c)]
-                if dot(mine, w) < overlap - tolerance:
-                    in_contact[c] = True
+                at = row(first + c)
+                if dot(nested.factor[at : at + width(first + c)], w) < overlap - tolerance:
+                    bear[c] = True
                     changes += 1
     return changes
