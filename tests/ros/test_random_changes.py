@@ -15,7 +15,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from wheelset_track_sim.recording import Bag
+from wheelset_track_sim.recording import Bag, State
 from wheelset_track_sim.recording.damage import irregularities_of
 from wheelset_track_sim.ros.parameters import values_of, with_values
 from wheelset_track_sim.scenario import WHEELS, load_scenario
@@ -173,22 +173,34 @@ def test_the_stream_has_no_gaps_and_the_state_is_that_of_the_last_accepted_chang
     assert min(len(one.accepted) for one in clients) > 100
     assert min(one.refused for one in clients) > 50
     scenario, listed = dataclasses.replace(START, acceleration=5.0), ()
+    wanted = {0: scenario}
     for change in accepted:
         scenario, listed = change.make(scenario, listed)
+        wanted[change.revision] = scenario
     watching.until(lambda: states[-1].revision == newest)
     shown = dict(zip(values_of(START), watching.get(*values_of(START)), strict=True))
     assert node.signal(signal.SIGINT) == 0, node.errors
     assert "Traceback" not in node.errors
 
-    told = states[-1]
-    assert (told.speed_set_point, told.axle_load) == (scenario.speed, scenario.axle_load), f"seeds {seeds}"
-    assert irregularities_of(told.damage) == scenario.irregularities, f"seeds {seeds}"
+    def assert_told(state):
+        """Whether a state is that of its revision, which all accepted ones have led to."""
+        expected = wanted[state.revision]
+        assert (state.speed_set_point, state.axle_load) == (expected.speed, expected.axle_load), f"seeds {seeds}"
+        damage = [SimpleNamespace(**item) if isinstance(item, dict) else item for item in state.damage]
+        assert irregularities_of(damage) == expected.irregularities, f"seeds {seeds}"
+
+    assert_told(states[-1])
     assert with_values(dataclasses.replace(scenario, irregularities=listed), shown) == scenario, f"seeds {seeds}"
 
     for before, after in pairwise(summaries):
         assert after.first_step == before.first_step + before.samples
         assert after.revision >= before.revision
-    blocks = [event for event in Bag(tmp_path / "run").events() if isinstance(event, SampleBlock)]  # without gaps
+    events = [*Bag(tmp_path / "run").events()]  # which have no gaps
+    blocks = [event for event in events if isinstance(event, SampleBlock)]
+    recorded = [event for event in events if isinstance(event, State)]
+    assert len(recorded) > 100
+    for state in recorded:
+        assert_told(state)
     revisions = np.array([block.revision for block in blocks])
     assert (np.diff(revisions) >= 0).all()
     assert revisions[-1] == newest
