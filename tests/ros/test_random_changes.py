@@ -17,9 +17,9 @@ pytest.importorskip("wheelset_track_msgs")
 
 from wheelset_track_sim.recording import Bag, State
 from wheelset_track_sim.recording.damage import irregularities_of
-from wheelset_track_sim.ros.parameters import values_of, with_values
 from wheelset_track_sim.scenario import WHEELS, load_scenario
 from wheelset_track_sim.simulation.block import SampleBlock
+from wheelset_track_sim.values import values_of, with_values
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(900)]
 

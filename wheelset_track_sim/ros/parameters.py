@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,14 +15,13 @@ from rclpy.parameter import Parameter
 from ..errors import InputError
 from ..irregularities import Breakout
 from ..monitoring.limits import Limits
-from ..scenario import WHEELS, Scenario, load_scenario
+from ..scenario import Scenario, load_scenario
 from ..schema import Quantity, quantity_of
 from ..simulation.decimation import FACTOR
 from ..simulation.impacts import ImpactSettings
 from ..simulation.pacing import Pace
+from ..values import SCENARIO_NUMBERS, Values, values_of, with_values
 
-SIZE_C = {"a": 0.030, "b": 0.024, "h": 0.0, "angle": 0.0, "y": 0.0}
-"""Damage parameters of a smooth wheel: with a depth ``h`` it is of the paper's size C."""
 START_UP = {
     "scenario": ("damage_wheel_1", "Name of a shipped scenario, or path of a scenario file"),
     "autostart": (True, "Configure and activate without being told"),
@@ -35,42 +34,9 @@ START_UP = {
 PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
 WATCHED = {"impact": ImpactSettings, "diagnostics": Limits}
 """What is watched, by the first part of the names of its parameters."""
-SCENARIO_NUMBERS = ("speed", "acceleration", "axle_load")
 DECIMATED = ("contact_forces", "axle_stress")
 """Topics that may be decimated."""
 OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
-Values = Mapping[str, Any]
-
-
-def values_of(scenario: Scenario) -> dict[str, float]:
-    """Parameters that describe a scenario; those of damage are of the first breakout on each wheel."""
-    values: dict[str, float] = {name: getattr(scenario, name) for name in SCENARIO_NUMBERS}
-    for wheel in WHEELS:
-        first = _first_breakout(scenario, wheel)
-        for name, smooth in SIZE_C.items():
-            values[f"{wheel}.damage.{name}"] = float(getattr(first, name)) if first else smooth
-    return values
-
-
-def with_values(base: Scenario, values: Values) -> Scenario:
-    """``base`` with the parameters in place: they replace the first breakout on each wheel, or add one.
-
-    A depth of 0 takes it away; further irregularities of ``base`` stay. Raises InputError that names the parameter.
-    """
-    irregularities = list(base.irregularities)
-    for wheel in WHEELS:
-        given = {name: values[f"{wheel}.damage.{name}"] for name in SIZE_C}
-        try:
-            breakout = Breakout(on=wheel, **given)
-        except InputError as refusal:
-            raise InputError(f"{wheel}.damage.{refusal}") from None
-        first = _first_breakout(base, wheel)
-        if first == breakout:
-            continue
-        place = len(irregularities) if first is None else irregularities.index(first)
-        irregularities[place : place + 1] = [breakout] if breakout.h > 0 else []
-    numbers = {name: values[name] for name in SCENARIO_NUMBERS}
-    return dataclasses.replace(base, **numbers, irregularities=tuple(irregularities))
 
 
 @dataclass(frozen=True)
@@ -191,10 +157,6 @@ class Parameters:
         for name in _overrides(self._node):
             if not self._node.has_parameter(name) and not name.startswith(OF_ROS):
                 self._node.get_logger().warning(f"parameter {name} is not known and not used")
-
-
-def _first_breakout(scenario: Scenario, wheel: str) -> Breakout | None:
-    return next((item for item in scenario.irregularities if item.on == wheel), None)
 
 
 def _quantity(name: str) -> Quantity:

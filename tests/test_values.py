@@ -5,15 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-pytest.importorskip("rclpy")
-
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.ros.parameters import SIZE_C, values_of, with_values
 from wheelset_track_sim.scenario import WHEELS, load_scenario
 from wheelset_track_sim.shipped import names
-
-pytestmark = pytest.mark.ros
+from wheelset_track_sim.values import SIZE_C, values_of, with_values
 
 BASE = load_scenario("undamaged")
 BREAKOUTS = st.builds(
