@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -124,7 +125,11 @@ class Scenario:
 
     def to_yaml(self) -> str:
         """The scenario as a YAML file's text."""
-        return dump(self.to_mapping())
+        return self._yaml
+
+    @cached_property
+    def _yaml(self) -> str:
+        return dump(self.to_mapping())  # in 2 ms: a run of many changes is told often
 
     @property
     def digest(self) -> str:

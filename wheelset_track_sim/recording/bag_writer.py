@@ -16,6 +16,7 @@ from ..simulation.impacts import Impact
 from ..simulation.summary import Summary
 from ..simulation.turns import NO_TURN, TurnPeaks
 from .definitions import full_name, schema
+from .inputs import Input
 from .mcap_file import McapFile
 from .messages import Message, State, chunk_messages, impact_message, state_message
 from .rosbag2_metadata import LATCHED_TOPICS, Part, Topic, channel_metadata, write_folder_metadata
@@ -172,6 +173,9 @@ class BagWriter:
     def _add(self, message: Message) -> None:
         channel = self._channels.get(message.topic) or self._register(message)
         topic = self._topics[message.topic]
+        if message.kind == "SimulationState":  # what the next file begins with
+            of = message.fields
+            self._info = self._info.with_input(Input(of["revision"], of["first_step"], of["scenario"]))
         self._last_ns = max(self._last_ns, message.stamp_ns)
         self._mcap.add_message(channel, message.stamp_ns, topic.count, message.cdr)
         topic.count += 1

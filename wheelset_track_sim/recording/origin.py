@@ -2,41 +2,64 @@
 
 from __future__ import annotations
 
+from ..cache import digest
 from ..simulation.block import SampleBlock
+from ..simulation.changes import Applied
 from ..simulation.simulator import Simulator
 from .damage import damage_fields
+from .inputs import Input
 from .messages import State
 from .run_info import RunInfo
 
 
 def run_info(simulator: Simulator) -> RunInfo:
-    """Origin of a simulator's run."""
-    scenario = simulator.scenario
+    """Origin of a simulator's run, with all that went in so far."""
+    scenario, models = simulator.in_force, simulator.models
     return RunInfo(
         scenario_name=scenario.name,
         scenario=scenario.to_yaml(),
-        digest=simulator.digest,
-        sleeper_spacing=simulator.models.track.spacing,
+        digest=models.digest(scenario),
+        sleeper_spacing=models.track.spacing,
+        models={"wheelset": digest(models.wheelset), "track": digest(models.track)},
+        inputs=tuple(
+            Input(applied.revision.number, applied.revision.step, applied.scenario.to_yaml())
+            for applied in simulator.history
+        ),
     )
 
 
 def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: str = "") -> State:
     """What is simulated from the first step of ``block`` on, the latest block; without one, from the next step on."""
-    scenario = simulator.in_force
     first_step = simulator.next_step if block is None else block.first_step
+    set_point = simulator.course.at(first_step).set_point
+    now = Applied(simulator.history[-1].revision, simulator.in_force, set_point)
+    return _state(simulator, first_step, now, recording)
+
+
+def states(simulator: Simulator, block: SampleBlock, after: int) -> list[State]:
+    """The same of every change behind revision ``after``, one at least: of several at one step each counts.
+
+    A load that is changed twice rises twice, and a ramp that is begun twice is begun anew.
+    """
+    earlier = [found for found in simulator.history[:-1] if found.revision.number > after]
+    return [*(_state(simulator, block.first_step, found) for found in earlier), state(simulator, block)]
+
+
+def _state(simulator: Simulator, first_step: int, of: Applied, recording: str = "") -> State:
+    scenario = of.scenario
     on = simulator.course.at(first_step)
     return State(
         first_step=first_step,
         time=simulator.course.time_of(first_step),
         step_period=scenario.step_length / on.speed,
         speed=on.speed,
-        speed_set_point=on.set_point,
+        speed_set_point=of.set_point,
         position=first_step * scenario.step_length,
-        revision=simulator.revision,
+        revision=of.revision.number,
         axle_load=scenario.axle_load,
         damage=damage_fields(scenario.irregularities),
         scenario_name=scenario.name,
         scenario=scenario.to_yaml(),
-        digest=simulator.digest,
+        digest=simulator.models.digest(scenario),
         recording=recording,
     )

@@ -2,20 +2,54 @@
 
 from __future__ import annotations
 
+import dataclasses
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import version
 
+from numba.core.registry import cpu_target
+from threadpoolctl import threadpool_info
+
+import wheelset_track_sim
+
 from .. import __version__
+from ..cache import digest
+from .inputs import Input, decoded, encoded, with_input
 
 METADATA_NAME = "wheelset_track_sim"
+NAMED = {"versions": "version.", "models": "model."}
+"""Fields that are mappings, with what stands before their names in the record."""
+
+
+@cache
+def _versions() -> dict[str, str]:
+    libraries = {name: version(name) for name in ("numpy", "scipy", "numba", "llvmlite")}
+    algebra = sorted(
+        {f"{item['internal_api']} {item['version']} {item.get('architecture', '')}".strip() for item in _blas()}
+    )
+    _, processor, features = cpu_target.target_context.codegen().magic_tuple()  # what numba compiles for
+    return {
+        "wheelset_track_sim": __version__,
+        "sources": digest([], wheelset_track_sim),
+        "python": platform.python_version(),
+        **libraries,
+        "blas": ", ".join(algebra),
+        "cpu": f"{platform.machine()} {processor} {digest(features)[:8]}",
+    }
+
+
+def _blas() -> list[dict[str, str]]:
+    return [item for item in threadpool_info() if item["user_api"] == "blas"]
 
 
 def versions() -> dict[str, str]:
-    """Versions of the software that decides the numbers of a run."""
-    libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    return {"wheelset_track_sim": __version__, "python": platform.python_version(), **libraries}
+    """Versions of all that decides the numbers of a run to the last bit: software, linear algebra, processor.
+
+    ``sources`` is a digest of this package, the processor's eight last digits one of its instruction sets.
+    """
+    return dict(_versions())
 
 
 @dataclass(frozen=True)
@@ -24,27 +58,40 @@ class RunInfo:
 
     scenario_name: str
     scenario: str
-    """The scenario at the start as YAML."""
+    """The scenario in force where the bag begins, as YAML."""
     digest: str
-    """Digest of the scenario and of the models."""
+    """Digest of that scenario and of the models."""
     sleeper_spacing: float
     """m; sleepers stand at its multiples."""
     versions: Mapping[str, str] = field(default_factory=versions)
+    models: Mapping[str, str] = field(default_factory=dict)
+    """Digests of ``wheelset`` and ``track``, as their files describe them."""
+    inputs: tuple[Input, ...] = ()
+    """What went into the run up to where the bag begins, from step 0 on."""
+
+    def with_input(self, new: Input) -> RunInfo:
+        """The same with one more input, unless it is there already."""
+        return dataclasses.replace(self, inputs=with_input(self.inputs, new))
 
     def to_metadata(self) -> dict[str, str]:
         """Record of text by name, as bags hold it."""
-        plain = {item.name: str(getattr(self, item.name)) for item in fields(self) if item.name != "versions"}
-        return plain | {f"version.{name}": number for name, number in self.versions.items()}
+        record = {name: str(getattr(self, name)) for name in ("scenario_name", "scenario", "digest", "sleeper_spacing")}
+        for name, prefix in NAMED.items():
+            record |= {f"{prefix}{key}": text for key, text in getattr(self, name).items()}
+        return record | ({"inputs": encoded(self.inputs)} if self.inputs else {})
 
     @classmethod
     def from_metadata(cls, record: Mapping[str, str]) -> RunInfo:
         """RunInfo from its record; raises KeyError or ValueError if the record is not one."""
+        named = {
+            name: {key.removeprefix(prefix): text for key, text in record.items() if key.startswith(prefix)}
+            for name, prefix in NAMED.items()
+        }
         return cls(
             scenario_name=record["scenario_name"],
             scenario=record["scenario"],
             digest=record["digest"],
             sleeper_spacing=float(record["sleeper_spacing"]),
-            versions={
-                name.removeprefix("version."): number for name, number in record.items() if name.startswith("version.")
-            },
+            inputs=decoded(record["inputs"]) if "inputs" in record else (),
+            **named,
         )

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import RecordingError
 from ..recording.messages import Message, State, chunk_messages, impact_message, state_message
-from ..recording.origin import state
+from ..recording.origin import state, states
 from ..simulation.block import SampleBlock
 from ..simulation.contacts import Contacts
 from ..simulation.pacing import Pace
@@ -141,7 +141,9 @@ class Run:
         messages += [impact_message(impact, self.start_ns) for impact in seen.impacts]
         with self._lock:
             if self._due or self._told is None or self._changed(self._told, block):
-                self._tell(state(self.simulator, block), RUNNING, timing)
+                told = block.revision if self._told is None else self._told.revision
+                for found in states(self.simulator, block, told):
+                    self._tell(found, RUNNING, timing)
             self._next_step = block.first_step + len(block)
             self._clock.tell(self.end_ns)
             self._record(messages)

@@ -34,6 +34,16 @@ class Condition:
     """Approach of each wheel under the static load without dynamics, (2,) m."""
 
 
+@dataclass(frozen=True)
+class Applied:
+    """A change that has come into force: all that it takes to make it again."""
+
+    revision: Revision
+    scenario: Scenario
+    set_point: float
+    """Speed that is approached, m/s."""
+
+
 class Changes:
     """Conditions in the order in which they come into force; one thread runs, any thread adds."""
 
@@ -41,7 +51,7 @@ class Changes:
         self._lock = threading.Lock()
         self._in_force, self._tread_origin = first, tread_origin
         self._queue: deque[Condition] = deque()
-        self._horizon = 0
+        self._horizon = first.revision.step
 
     @property
     def in_force(self) -> Condition:
@@ -55,15 +65,22 @@ class Changes:
             return self._queue[-1] if self._queue else self._in_force
 
     def add(
-        self, scenario: Scenario, law: ContactLaw, preload: NDArray[np.float64], *, number: int | None = None
+        self,
+        scenario: Scenario,
+        law: ContactLaw,
+        preload: NDArray[np.float64],
+        *,
+        not_before: int = 0,
+        number: int | None = None,
     ) -> Revision:
         """Accept a change, the next in ``number``, for the first step at which it can come into force.
 
-        That is behind the block at hand and all earlier changes, with no irregularity that changes in a contact patch.
+        That is behind the block at hand and all earlier changes, from ``not_before`` on, with no irregularity that
+        changes in a contact patch.
         """
         with self._lock:
             last = self._queue[-1] if self._queue else self._in_force
-            earliest = max(self._horizon, last.revision.step)
+            earliest = max(self._horizon, last.revision.step, not_before)
             step = first_clear_step(last.law, law, earliest, self._tread_origin)
             revision = Revision(last.revision.number + 1 if number is None else number, step)
             self._queue.append(Condition(revision, scenario, law, preload))

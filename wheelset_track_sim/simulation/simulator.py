@@ -13,7 +13,7 @@ from ..contact.law_kernels import ContactLaw
 from ..errors import InputError
 from ..scenario import Scenario
 from .block import COMPONENTS, SampleBlock
-from .changes import Changes, Condition
+from .changes import Applied, Changes, Condition
 from .changes import Revision as Revision
 from .contacts import Contact
 from .coupled import AHEAD, Coupled
@@ -31,6 +31,9 @@ between standing and running, which is itself below 1 % of the static load."""
 CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities")
 """Scenario keys that may change during a run; the models do not depend on them."""
 
+REMEMBERED = 10_000
+"""Changes that a run remembers, the latest: some 2 kB each."""
+
 
 class Simulator:
     """One wheelset running along the track, block by block.
@@ -39,24 +42,34 @@ class Simulator:
     ``apply`` may be called from different threads.
     """
 
-    def __init__(self, scenario: Scenario, progress: Progress | None = None, models: Models | None = None) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        progress: Progress | None = None,
+        models: Models | None = None,
+        start: Stretch | None = None,
+    ) -> None:
         """Load or build the models and settle; raises InputError if the scenario cannot be used.
 
-        ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs.
+        ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs. ``start`` is where a run
+        begins that does not begin with step 0, with the speed that is run at and the one that is approached.
         """
         self._models: Models = models or load_models(scenario, progress)
         self._plan = scenario.speed_plan
-        settling = round(SETTLING / scenario.step_period)
-        smooth = Condition(Revision(0, 0), scenario, self._models.contact_law(()), self._preload_for(scenario))
-        self._coupled = Coupled(self._models, scenario.wheel_load, -settling, scenario.speed)
+        start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
+        settling = round(SETTLING / (scenario.step_length / start.speed))
+        smooth = Condition(Revision(0, start.step), scenario, self._models.contact_law(()), self._preload_for(scenario))
+        self._coupled = Coupled(self._models, scenario.wheel_load, start.step - settling, start.speed)
         self._loading = Loading(smooth.preload)
         self._preload = np.tile(smooth.preload, (settling, 1))
-        self._coupled.run(smooth, scenario.speed, self._preload)
+        self._coupled.run(smooth, start.speed, self._preload)
         self._changes = Changes(smooth, self._models.tread_origin)
         law = self._models.contact_law(scenario.irregularities, progress)
         self._changes.add(scenario, law, smooth.preload, number=0)
-        standing = Course((Stretch(0, 0.0, scenario.speed, scenario.speed),), scenario.step_length)
-        self._course = standing.redirected(0, scenario.speed, scenario.acceleration, scenario.speed_plan)
+        self._course = Course((start,), scenario.step_length).redirected(
+            start.step, start.set_point, scenario.acceleration, scenario.speed_plan
+        )
+        self._history: tuple[Applied, ...] = (Applied(smooth.revision, scenario, start.set_point),)
 
     @property
     def scenario(self) -> Scenario:
@@ -77,6 +90,11 @@ class Simulator:
     def revision(self) -> int:
         """Number of the change in force."""
         return self._changes.in_force.revision.number
+
+    @property
+    def history(self) -> tuple[Applied, ...]:
+        """What the run started under, and each change that has come into force since: the latest ``REMEMBERED``."""
+        return self._history
 
     @property
     def next_step(self) -> int:
@@ -134,15 +152,15 @@ class Simulator:
         approach = self._preload[row, wheel] - self.displacements[row, :, wheel].sum()
         return self._changes.in_force.law, float(approach)
 
-    def apply(self, scenario: Scenario, progress: Progress | None = None) -> Revision:
+    def apply(self, scenario: Scenario, progress: Progress | None = None, *, not_before: int = 0) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
 
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
-        It comes into force between two blocks, at the first step at which no irregularity that changes is in the
-        contact patch; after one turn of the wheel at the latest. From there on a changed load rises (``loading``), and
-        there the ramp to a changed ``speed`` begins, which then ends the speed plan for good; without the plan in
-        ``scenario`` it ends at an unchanged ``speed``, too.
+        It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
+        changes is in the contact patch; after one turn of the wheel at the latest. From there on a changed load rises
+        (``loading``), and there the ramp to a changed ``speed`` begins, which then ends the speed plan for good;
+        without the plan in ``scenario`` it ends at an unchanged ``speed``, too.
         """
         newest = self._changes.newest
         current = newest.scenario
@@ -159,7 +177,7 @@ class Simulator:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
         same = scenario.irregularities == current.irregularities
         law = newest.law if same else self._models.contact_law(scenario.irregularities, progress)
-        return self._changes.add(scenario, law, self._preload_for(scenario))
+        return self._changes.add(scenario, law, self._preload_for(scenario), not_before=not_before)
 
     def advance(self, steps: int) -> SampleBlock:
         """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
@@ -213,3 +231,6 @@ class Simulator:
                 self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)
             self._loading = self._loading.changed(time, condition.preload)
             before = now
+            if condition.revision.number > self.history[-1].revision.number:
+                applied = Applied(condition.revision, now, self._course.at(self.next_step).set_point)
+                self._history = (*self._history, applied)[-REMEMBERED:]
