@@ -1,8 +1,10 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wheelset_track_sim.simulation.hold import RESOLVED, hold, hold_coefficients
+from wheelset_track_sim.simulation.hold import ALIASED, RESOLVED, hold, hold_coefficients
 
 DT = 36e-6
 
@@ -51,14 +53,39 @@ def test_a_ramp_is_followed_exactly_at_any_step_length() -> None:
 
 
 def test_modes_that_the_step_does_not_resolve_follow_their_load_at_once() -> None:
-    limit = RESOLVED * np.pi / DT
-    poles = np.array([-30 + 0.999j * limit, -30 + 1.001j * limit, -30 - 3j * limit])
+    half = np.pi / DT
+    poles = np.array([-30 + 0.999j * RESOLVED * half, -30 + 1.001j * ALIASED * half, -30 - 3j * half])
     step = hold(poles, DT)
     np.testing.assert_array_equal(step.factor[1:], 0.0)
     np.testing.assert_array_equal(step.before[1:], 0.0)
     np.testing.assert_allclose(step.after[1:], -1 / poles[1:], rtol=1e-15)
     before, after = hold_coefficients(poles, DT)
     assert (step.factor[0], step.before[0], step.after[0]) == (np.exp(poles[0] * DT), before[0], after[0])
+
+
+def test_a_mode_in_between_is_partly_stepped() -> None:
+    """Under a load that rises from zero at a constant rate: so much of the one, so much of the other."""
+    pole = np.array([-30 + (0.4 * RESOLVED + 0.6 * ALIASED) * 1j * np.pi / DT])
+    before, after = (weight[0] for weight in hold_coefficients(pole, DT))
+    share = 0.4**2 * (3 - 2 * 0.4)
+    step, q, stepped, factor = hold(pole, DT), 0j, 0j, np.exp(pole[0] * DT)
+    for n in range(50):
+        q = step.factor[0] * q + step.before[0] * n + step.after[0] * (n + 1)
+        stepped = factor * stepped + before * n + after * (n + 1)
+        assert q == pytest.approx(share * stepped - (1 - share) * (n + 1) / pole[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [RESOLVED, ALIASED])
+def test_nothing_jumps_at_either_border(share: float) -> None:
+    load = np.random.default_rng(1).normal(size=200)
+    ends = []
+    for side in (share - 1e-7, share + 1e-7):
+        pole = np.array([-30 + 1j * side * np.pi / DT])
+        step, q = hold(pole, DT), -load[0] / pole[0]
+        for before, after in pairwise(load):
+            q = step.factor[0] * q + step.before[0] * before + step.after[0] * after
+        ends.append(q * pole[0])
+    assert abs(ends[1] - ends[0]) < 1e-3 * np.abs(load).max()
 
 
 def test_every_step_has_the_statics_of_its_mode() -> None:

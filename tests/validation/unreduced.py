@@ -14,7 +14,7 @@ import numpy as np
 from wheelset_track_sim.contact.law import approach_for_force, build_contact_law, force_at
 from wheelset_track_sim.contact.law_kernels import ContactLaw
 from wheelset_track_sim.scenario import Scenario
-from wheelset_track_sim.simulation.hold import hold_coefficients
+from wheelset_track_sim.simulation.hold import hold
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.structures.track_ring import track_ring
 from wheelset_track_sim.structures.wheelset_reduction import reduced_wheelset
@@ -89,4 +89,4 @@ class Unreduced:
 
 
 def _step(poles: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return np.exp(poles * dt), *hold_coefficients(poles, dt)
+    return hold(poles, dt)
