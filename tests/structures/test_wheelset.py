@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
+from wheelset_track_sim import shipped
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.structures.wheelset import Wheelset, load_wheelset
 
@@ -73,6 +74,11 @@ def test_bad_input_is_refused(plain: dict[str, Any], path: str, value: Any, mess
     with pytest.raises(InputError, match=message) as refusal:
         load_wheelset(plain)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", shipped.names("wheelsets"))
+def test_shipped_wheelsets_can_be_used(name: str) -> None:
+    assert load_wheelset(name).name == name
 
 
 def test_fillets_of_the_x40(x40: Wheelset) -> None:

@@ -13,6 +13,7 @@ from scipy.sparse.linalg import spsolve
 from wheelset_track_sim.stress.principal import maximum_principal
 from wheelset_track_sim.structures.harmonic_elements import nodal_stress
 from wheelset_track_sim.structures.reduced_wheelset import ReducedWheelset
+from wheelset_track_sim.structures.stress_points import around_axle
 from wheelset_track_sim.structures.wheelset import Wheelset
 from wheelset_track_sim.structures.wheelset_harmonics import HARMONICS, harmonic
 from wheelset_track_sim.structures.wheelset_mesh import wheelset_mesh
@@ -21,7 +22,6 @@ from wheelset_track_sim.structures.wheelset_reduction import (
     diagonalised,
     mode_shapes,
     reduced_wheelset,
-    top_of_axle,
 )
 
 WHEEL_LOAD = 98.1e3  # N
@@ -103,7 +103,7 @@ def test_reduced_statics_are_those_of_the_finite_elements(x40: Wheelset, reduced
             stiffness[-1, -1] += 1e12
         static = model.free @ spsolve(stiffness.tocsc(), model.contacts)
         amplitudes = (nodal_stress(mesh, x40.material, n, nodes) @ static).reshape(len(nodes), 6, 2)
-        stress += np.einsum("ij,njw->niw", top_of_axle(n), amplitudes)
+        stress += np.einsum("ij,njw->niw", around_axle(n, 0.0), amplitudes)
         displacement += (model.free @ model.contacts).T @ static
     found = reduced_x40.static_stress()
     assert found == pytest.approx(stress, abs=1e-3 * np.abs(stress).max() / 10)
@@ -155,10 +155,10 @@ def test_diagonalised_full_damping() -> None:
 def test_stress_directions_at_the_top() -> None:
     """A stress that is the same everywhere, z z (n = 0 and 2 in polar components), comes out as such."""
     uniform = {0: [0.5, 0, 0.5, 0, 0, 0], 2: [0.5, 0, -0.5, 0, -0.5, 0]}
-    found = sum(top_of_axle(n) @ np.array(amplitudes) for n, amplitudes in uniform.items())
+    found = sum(around_axle(n, 0.0) @ np.array(amplitudes) for n, amplitudes in uniform.items())
     assert found == pytest.approx([0, 0, 1, 0, 0, 0])
     # y z shear: along theta = 0 (downwards) it is -1, n = 1.
-    assert top_of_axle(1) @ np.array([0, 0, 0, -1.0, 0, 1.0]) == pytest.approx([0, 0, 0, 0, 0, 1])
+    assert around_axle(1, 0.0) @ np.array([0, 0, 0, -1.0, 0, 1.0]) == pytest.approx([0, 0, 0, 0, 0, 1])
 
 
 def test_stored_under_a_digest(x40: Wheelset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

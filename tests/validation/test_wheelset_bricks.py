@@ -12,10 +12,10 @@ from wheelset_bricks import Bricks, bricks
 from wheelset_track_sim.stress.principal import maximum_principal
 from wheelset_track_sim.structures.harmonic_elements import nodal_stress
 from wheelset_track_sim.structures.section_mesh import SectionMesh
+from wheelset_track_sim.structures.stress_points import around_axle
 from wheelset_track_sim.structures.wheelset import MeshSize, Wheelset, load_wheelset
 from wheelset_track_sim.structures.wheelset_harmonics import HARMONICS, Harmonic, harmonic
 from wheelset_track_sim.structures.wheelset_mesh import stress_fillet, wheelset_mesh
-from wheelset_track_sim.structures.wheelset_reduction import top_of_axle
 
 pytestmark = pytest.mark.slow
 
@@ -85,7 +85,7 @@ def test_static_stresses_agree(pair: Pair) -> None:
     for n in HARMONICS:
         model = harmonic(x40, mesh, n)
         static = model.free @ model.static(model.contacts @ np.array([LOAD, LOAD]))
-        stress += (nodal_stress(mesh, x40.material, n, nodes) @ static).reshape(-1, 6) @ top_of_axle(n).T
+        stress += (nodal_stress(mesh, x40.material, n, nodes) @ static).reshape(-1, 6) @ around_axle(n, 0.0).T
 
     contacts = mesh.nodes_on(np.array([[y, x40.wheel.rolling_radius] for y in x40.contact_positions]))
     force = np.zeros((len(solid.points), 3))

@@ -15,10 +15,11 @@ from wheelset_track_sim.stress.principal import maximum_principal
 from wheelset_track_sim.structures.harmonic_elements import nodal_stress
 from wheelset_track_sim.structures.reduced_wheelset import ReducedWheelset
 from wheelset_track_sim.structures.section_mesh import SectionMesh
+from wheelset_track_sim.structures.stress_points import around_axle
 from wheelset_track_sim.structures.wheelset import MeshSize, Wheelset, load_wheelset
 from wheelset_track_sim.structures.wheelset_harmonics import HARMONICS, harmonic
 from wheelset_track_sim.structures.wheelset_mesh import stress_fillet, wheelset_mesh
-from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheelset, reduced_wheelset, top_of_axle
+from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheelset, reduced_wheelset
 
 from .store import ROOT, recall, this_module
 
@@ -78,7 +79,7 @@ def _static_stress(x40: Wheelset, mesh: SectionMesh, nodes: NDArray[np.int64]) -
     for n in HARMONICS:
         model = harmonic(x40, mesh, n)
         u = model.free @ model.static(model.contacts @ np.array([LOAD, LOAD]))
-        stress += (nodal_stress(mesh, x40.material, n, nodes) @ u).reshape(-1, 6) @ top_of_axle(n).T
+        stress += (nodal_stress(mesh, x40.material, n, nodes) @ u).reshape(-1, 6) @ around_axle(n, 0.0).T
     return stress
 
 

@@ -13,17 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..schema import quantity, read, unknown
+from ..schema import quantity, read
 from ..shipped import load_yaml
+from .stress_node import StressNode, check_stress_nodes
+from .wheelset_equipment import Equipment, PointMass, Ring, clear_of_each_other
 from .wheelset_parts import Axle, AxleBoxes, BrakeDiscs, Checked, Gearbox, Material, Wheel, increasing
-
-
-@dataclass(frozen=True)
-class StressNode:
-    """Point on the top of the axle's surface: where the fillet at the end of ``after`` is stressed most, statically."""
-
-    name: str
-    after: str
 
 
 @dataclass(frozen=True)
@@ -51,24 +45,13 @@ class Wheelset:
     material: Material
     brake_discs: BrakeDiscs | None = None
     gearbox: Gearbox | None = None
+    equipment: tuple[Equipment, ...] = ()
+    """Further rings and masses on the axle."""
     stress_nodes: tuple[StressNode, ...] = ()
     mesh: MeshSize = MeshSize()
 
     def __post_init__(self) -> None:
-        after = [step.after for step in self.axle.steps()]
-        for node in self.stress_nodes:
-            if node.after not in after:
-                raise InputError(
-                    unknown(
-                        "fillet (section it ends)",
-                        f"stress_nodes.{node.name}.after = {node.after!r}",
-                        node.after,
-                        after,
-                    )
-                )
-        names = [node.name for node in self.stress_nodes]
-        if len(set(names)) < len(names):
-            raise InputError(f"stress_nodes has names {', '.join(names)}: give each a name of its own")
+        check_stress_nodes(self.stress_nodes, self.axle, self.attached)
         for side in (-1, 1):
             low, high = sorted((side * self.wheel.hub_inner, side * self.wheel.hub_outer))
             seat = self.axle.section_over(low, high, "wheel hub")
@@ -87,6 +70,35 @@ class Wheelset:
                 outer_radius=self.brake_discs.outer_radius,
                 rim_radius=self.wheel.rim_radius,
             )
+        self._check_equipment()
+
+    def _check_equipment(self) -> None:
+        names = [item.name for item in self.equipment]
+        if len({*names, "gearbox"}) <= len(names):
+            raise InputError(f"equipment has names {', '.join(names)}: give each a name of its own, and not gearbox")
+        for item in self.equipment:
+            seat = self.axle.section_over(*item.ends, item.name)
+            if isinstance(item, Ring):
+                increasing(item.name, seat=seat.diameter / 2, outer_radius=item.outer_radius)
+        clear_of_each_other([*self.attached, *((item.name, *item.ends) for item in self.masses)])
+
+    @property
+    def rings(self) -> tuple[Ring, ...]:
+        """Equipment that is part of the solid."""
+        return tuple(item for item in self.equipment if isinstance(item, Ring))
+
+    @property
+    def masses(self) -> tuple[PointMass, ...]:
+        """Equipment that is a mass on the axle's surface."""
+        return tuple(item for item in self.equipment if isinstance(item, PointMass))
+
+    @property
+    def attached(self) -> tuple[tuple[str, float, float], ...]:
+        """Parts of the solid that cover the axle's surface: what, first and last y, m."""
+        inner, outer = self.wheel.hub_inner, self.wheel.hub_outer
+        hubs = [("the hub of wheel 1", -outer, -inner), ("the hub of wheel 2", inner, outer)]
+        gearbox = [("gearbox", *self.gearbox_ends)] if self.gearbox else []
+        return (*hubs, *gearbox, *((ring.name, *ring.ends) for ring in self.rings))
 
     @property
     def gearbox_ends(self) -> tuple[float, float]:

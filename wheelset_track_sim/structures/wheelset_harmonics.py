@@ -65,7 +65,7 @@ class Harmonic:
 
 
 def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> Harmonic:
-    """Model of harmonic ``n``; axle boxes and suspension act on n = 1, which alone moves sections of the axle."""
+    """Model of harmonic ``n``; axle boxes, suspension and point masses act on n = 1, which alone moves the sections."""
     free = free_unknowns(mesh, n)
     stiffness, mass = (free.T @ matrix @ free for matrix in stiffness_and_mass(mesh, wheelset.material, n))
     boxes = np.zeros((free.shape[1], 2))
@@ -74,6 +74,10 @@ def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> Harmonic:
         spread = sp.csc_array(boxes)
         stiffness = stiffness + wheelset.axle_boxes.stiffness * (spread @ spread.T)
         mass = mass + wheelset.axle_boxes.mass * (spread @ spread.T)
+        for item in wheelset.masses:
+            radius = wheelset.axle.section_over(*item.ends, item.name).diameter / 2
+            motion = sp.csc_array(free.T @ section_motion(mesh, radius, *item.ends))
+            mass = mass + motion @ sp.diags_array([item.mass, item.inertia]) @ motion.T
     contacts = free.T @ contact_displacements(wheelset, mesh)
     return Harmonic(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes)
 
@@ -85,28 +89,37 @@ def contact_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
     """
     vectors = np.zeros((3 * len(mesh.points), 2))
     for wheel, y in enumerate(wheelset.contact_positions):
-        nodes, weights = _on_surface(mesh, wheelset.wheel.rolling_radius, y, y)
+        nodes, weights = on_surface(mesh, wheelset.wheel.rolling_radius, y, y)
         np.add.at(vectors[:, wheel], 3 * nodes, -weights)
     return vectors
 
 
 def bearing_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
-    """Vectors (all unknowns, 2) that read the mean upward displacement of the bearing surfaces (n = 1).
-
-    Around the section, the mean of u_r cos(theta) - u_theta sin(theta) is (U_r - U_theta) / 2, downwards.
-    """
+    """Vectors (all unknowns, 2) that read the mean upward displacement of the bearing surfaces (n = 1)."""
     vectors = np.zeros((3 * len(mesh.points), 2))
     boxes = wheelset.axle_boxes
     for box, side in enumerate((-1, 1)):
         low, high = (side * boxes.distance + end * boxes.bearing_length / 2 for end in (-1, 1))
         radius = wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2
-        nodes, weights = _on_surface(mesh, radius, low, high)
-        np.add.at(vectors[:, box], 3 * nodes, -weights / 2)
-        np.add.at(vectors[:, box], 3 * nodes + 2, weights / 2)
+        vectors[:, box] = section_motion(mesh, radius, low, high)[:, 0]
     return vectors
 
 
-def _on_surface(mesh: SectionMesh, radius: float, low: float, high: float) -> tuple[NDArray[np.int64], Real]:
+def section_motion(mesh: SectionMesh, radius: float, low: float, high: float) -> Real:
+    """Vectors (all unknowns, 2) that read lift and tilt (n = 1) of a cylinder's surface from y = ``low`` to ``high``.
+
+    Lift is the mean upward displacement: around the section, the mean of u_r cos(theta) - u_theta sin(theta) is
+    (U_r - U_theta) / 2, downwards. Tilt is the mean rotation about x, the amplitude U_y over the radius.
+    """
+    vectors = np.zeros((3 * len(mesh.points), 2))
+    nodes, weights = on_surface(mesh, radius, low, high)
+    np.add.at(vectors[:, 0], 3 * nodes, -weights / 2)
+    np.add.at(vectors[:, 0], 3 * nodes + 2, weights / 2)
+    np.add.at(vectors[:, 1], 3 * nodes + 1, weights / radius)
+    return vectors
+
+
+def on_surface(mesh: SectionMesh, radius: float, low: float, high: float) -> tuple[NDArray[np.int64], Real]:
     """Nodes and weights of the mean over ``low`` to ``high`` in y (or the value at one y) on a cylinder."""
     line = np.flatnonzero(np.abs(mesh.points[:, 1] - radius) < RESOLUTION)
     inside: list[tuple[NDArray[np.int64], Real]] = []

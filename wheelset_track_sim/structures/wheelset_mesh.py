@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .section_mesh import RESOLUTION, SectionMesh, between, divided, grid, joined, with_middles
-from .wheelset import MeshSize, StressNode, Wheelset
+from .stress_node import StressNode
+from .wheelset import MeshSize, Wheelset
 from .wheelset_parts import BrakeDiscs, Step, Wheel
 
 Real = NDArray[np.float64]
@@ -27,24 +28,38 @@ TRANSITION = 0.015
 
 def wheelset_mesh(wheelset: Wheelset, size: MeshSize | None = None) -> SectionMesh:
     """Mesh of a wheelset; ``size`` replaces the wheelset's own."""
+    return joined([block for blocks in section_blocks(wheelset, size).values() for block in blocks])
+
+
+def axle_mesh(wheelset: Wheelset, size: MeshSize | None = None) -> SectionMesh:
+    """Mesh of the axle alone: the nodes it has in that of the wheelset."""
+    return joined(section_blocks(wheelset, size)["axle"])
+
+
+def section_blocks(wheelset: Wheelset, size: MeshSize | None = None) -> dict[str, list[Real]]:
+    """Blocks of each part, grids (2 n + 1, 2 m + 1, 2) of y and r: axle, gearbox, wheel_1, wheel_2, rings by name."""
     size = size or wheelset.mesh
     y = _axle_nodes(wheelset, size)
     surface = surface_radius(wheelset, y)
     layers = ceil(surface.max() / size.radial)
     depth = with_middles(1.0 - (1.0 - np.arange(layers + 1) / layers) ** GRADING)
-    blocks = [grid(y[:, None], surface[:, None] * depth[None, :])]
-    if wheelset.gearbox:
-        seat = between(y, *wheelset.gearbox_ends)
+    parts = {"axle": [grid(y[:, None], surface[:, None] * depth[None, :])]}
+
+    def ring(ends: tuple[float, float], outer_radius: float) -> list[Real]:
+        seat = between(y, *ends)
         bore = surface_radius(wheelset, seat)[0]
-        blocks.append(grid(seat[:, None], divided([bore, wheelset.gearbox.outer_radius], size.attached)[None, :]))
-    for side in (-1, 1):
+        return [grid(seat[:, None], divided([bore, outer_radius], size.attached)[None, :])]
+
+    if wheelset.gearbox:
+        parts["gearbox"] = ring(wheelset.gearbox_ends, wheelset.gearbox.outer_radius)
+    for name, side in (("wheel_1", -1), ("wheel_2", 1)):
         low, high = sorted((side * wheelset.wheel.hub_inner, side * wheelset.wheel.hub_outer))
         seat = between(y, low, high)
         bore = surface_radius(wheelset, seat)[0]
         # A wheel is meshed at positive distances from the track's centre, then put on its side.
         wheel = _wheel_blocks(wheelset.wheel, wheelset.brake_discs, np.sort(side * seat), bore, size)
-        blocks.extend(block[::side] * np.array([side, 1.0]) for block in wheel)
-    return joined(blocks)
+        parts[name] = [block[::side] * np.array([side, 1.0]) for block in wheel]
+    return parts | {item.name: ring(item.ends, item.outer_radius) for item in wheelset.rings}
 
 
 def fillet_points(step: Step, size: float) -> Real:
@@ -56,7 +71,7 @@ def fillet_points(step: Step, size: float) -> Real:
 
 
 def stress_fillet(wheelset: Wheelset, node: StressNode, size: MeshSize | None = None) -> Real:
-    """Mesh nodes (count, 2) on the fillet of a stress node, in order of y."""
+    """Mesh nodes (count, 2) on the fillet that a stress node is named after, in order of y."""
     step = next(step for step in wheelset.axle.steps() if step.after == node.after)
     return fillet_points(step, (size or wheelset.mesh).fillet)
 
@@ -84,15 +99,17 @@ def _axle_nodes(wheelset: Wheelset, size: MeshSize) -> Real:
     breaks |= {side * distance for distance in distances for side in (-1, 1)}
     if wheelset.gearbox:
         breaks |= set(wheelset.gearbox_ends)
+    for item in wheelset.equipment:
+        breaks |= set(item.ends)
     fillets = wheelset.axle.steps()
     breaks |= {step.tangent for step in fillets}
     # A short element leads from the fillet into the cylinder, where the stress is still uneven.
     breaks |= {step.tangent + step.direction * TRANSITION for step in fillets}
     y = divided(_apart(sorted(breaks)), size.axle)
-    watched = {node.after for node in wheelset.stress_nodes}
     for step in fillets:
         low, high = sorted((step.edge, step.tangent))
-        arc = fillet_points(step, size.fillet if step.after in watched else size.axle / 2)[:, 0]
+        watched = any(node.on(step) for node in wheelset.stress_nodes)
+        arc = fillet_points(step, size.fillet if watched else size.axle / 2)[:, 0]
         y = np.concatenate([y[y < low - RESOLUTION], arc, y[y > high + RESOLUTION]])
     return y
 

@@ -7,17 +7,26 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..cache import cached, digest
 from ..stress import principal
-from . import harmonic_elements, section_mesh, wheelset_harmonics, wheelset_mesh, wheelset_parts
+from . import (
+    harmonic_elements,
+    section_mesh,
+    stress_node,
+    stress_points,
+    wheelset_equipment,
+    wheelset_harmonics,
+    wheelset_mesh,
+    wheelset_parts,
+)
 from . import reduced_wheelset as reduced_module
 from . import wheelset as wheelset_module
 from .harmonic_elements import nodal_stress, solid_mass
-from .reduced_wheelset import COMPONENTS, ReducedWheelset
+from .reduced_wheelset import ReducedWheelset
 from .section_mesh import SectionMesh
+from .stress_points import StressPoints
 from .wheelset import Wheelset
 from .wheelset_harmonics import HARMONICS, harmonic
 
@@ -58,8 +67,8 @@ def reduced_wheelset(
     wheelset: Wheelset, *, max_frequency: float = MAX_FREQUENCY, progress: Progress | None = None
 ) -> ReducedWheelset:
     """Reduced model from the cache of models, built if it is not there; arguments as of `build_reduced_wheelset`."""
-    geometry = (wheelset_parts, wheelset_module, section_mesh, wheelset_mesh)
-    mechanics = (harmonic_elements, wheelset_harmonics, reduced_module, principal, sys.modules[__name__])
+    geometry = (wheelset_parts, wheelset_equipment, stress_node, wheelset_module, section_mesh, wheelset_mesh)
+    mechanics = (harmonic_elements, wheelset_harmonics, stress_points, reduced_module, principal, sys.modules[__name__])
     key = digest([wheelset, max_frequency], *geometry, *mechanics)
 
     def build() -> ReducedWheelset:
@@ -78,12 +87,11 @@ def build_reduced_wheelset(
     report = progress or (lambda stage, fraction: None)
     report("wheelset mesh", 0.0)
     mesh = wheelset_mesh.wheelset_mesh(wheelset)
-    arcs = [wheelset_mesh.stress_fillet(wheelset, node) for node in wheelset.stress_nodes]
-    candidates = mesh.nodes_on(np.concatenate(arcs)) if arcs else np.zeros(0, dtype=np.int64)
+    samples = stress_points.stress_points(wheelset, mesh)
     parts = []
     for n in HARMONICS:
         report(f"wheelset modes, n = {n}", n / len(HARMONICS))
-        parts.append(_poles(wheelset, mesh, n, candidates, max_frequency))
+        parts.append(_poles(wheelset, mesh, n, samples, max_frequency))
     report("wheelset poles", 1.0)
 
     poles = np.concatenate([part.poles for part in parts])
@@ -92,11 +100,11 @@ def build_reduced_wheelset(
     inputs = np.concatenate([part.inputs for part in parts])[order]
     outputs = np.concatenate([part.outputs for part in parts], axis=1)[:, order]
     stress = np.concatenate([part.stress for part in parts], axis=1)[:, order].reshape(-1, 6, len(poles))
-    static = sum((part.static_stress for part in parts), np.zeros((6 * len(candidates), 2))).reshape(-1, 6, 2)
+    static = sum((part.static_stress for part in parts), np.zeros((6 * len(samples.nodes), 2))).reshape(-1, 6, 2)
 
-    highest = _highest(principal.maximum_principal(static.sum(axis=2)), [len(arc) for arc in arcs])
-    stress, static = stress[highest], static[highest]
-    places = mesh.points[candidates[highest]]
+    picks = samples.picks(static.sum(axis=2))
+    stress, static = stress_points.combined(stress, picks), stress_points.combined(static, picks)
+    y = stress_points.combined(mesh.points[samples.nodes, 0], picks)
     return ReducedWheelset(
         poles=poles,
         inputs=inputs,
@@ -105,8 +113,10 @@ def build_reduced_wheelset(
         stress_feedthrough=static + (stress / poles @ inputs).real,
         displacement_residual=sum((part.residual for part in parts), np.zeros((2, 2))),
         node_names=tuple(node.name for node in wheelset.stress_nodes),
-        node_positions=np.stack([np.zeros(len(places)), places[:, 0], places[:, 1]], axis=1),
-        mass=solid_mass(mesh, wheelset.material) + 2 * wheelset.axle_boxes.mass,
+        node_positions=stress_points.positions(wheelset, wheelset.stress_nodes, y),
+        mass=solid_mass(mesh, wheelset.material)
+        + 2 * wheelset.axle_boxes.mass
+        + sum(item.mass for item in wheelset.masses),
         rolling_radius=wheelset.wheel.rolling_radius,
     )
 
@@ -122,14 +132,13 @@ def mode_shapes(wheelset: Wheelset, max_frequency: float = MAX_FREQUENCY) -> tup
     return mesh, found
 
 
-def _poles(wheelset: Wheelset, mesh: SectionMesh, n: int, nodes: NDArray[np.int64], max_frequency: float) -> Poles:
+def _poles(wheelset: Wheelset, mesh: SectionMesh, n: int, samples: StressPoints, max_frequency: float) -> Poles:
     """Modes of harmonic ``n`` with Rayleigh damping and the full modal matrix of the suspension's dashpots."""
     model = harmonic(wheelset, mesh, n)
     frequencies, modes = model.modes(max_frequency)
     omega = 2 * np.pi * frequencies
     contacts, boxes = modes.T @ model.contacts, modes.T @ model.boxes
-    turned = sp.block_diag([top_of_axle(n)] * len(nodes)) if len(nodes) else sp.coo_array((0, 0))
-    stress = (turned @ nodal_stress(mesh, wheelset.material, n, nodes) @ model.free).tocsr()
+    stress = (samples.turned(n) @ nodal_stress(mesh, wheelset.material, n, samples.nodes) @ model.free).tocsr()
 
     material = wheelset.material
     damping = np.diag(material.mass_damping + material.stiffness_damping * omega**2)
@@ -160,22 +169,3 @@ def diagonalised(omega: Real, damping: Real) -> tuple[Complex, Complex, Complex]
     real = np.abs(poles.imag) <= 1e-12 * np.abs(poles)
     kept = real | (poles.imag > 0)
     return poles[kept], left[kept], np.where(real, 1.0, 2.0)[kept] * right[:, kept]
-
-
-def top_of_axle(n: int) -> Real:
-    """Matrix (6, 6) from stress amplitudes of harmonic ``n`` to components in x, y, z at theta = pi.
-
-    There r points up, theta against x, cos(n theta) is (-1)^n and sin(n theta) is 0.
-    """
-    matrix = np.zeros((6, 6))
-    matrix[[COMPONENTS.index(name) for name in ("zz", "yy", "xx", "yz")], [0, 1, 2, 3]] = (-1.0) ** n
-    return matrix
-
-
-def _highest(values: Real, lengths: list[int]) -> NDArray[np.int64]:
-    """Index of the highest of consecutive groups of values."""
-    starts = np.concatenate([[0], np.cumsum(lengths)[:-1]]).astype(np.int64) if lengths else np.zeros(0, dtype=np.int64)
-    return np.array(
-        [start + values[start : start + count].argmax() for start, count in zip(starts, lengths, strict=True)],
-        dtype=np.int64,
-    )
