@@ -70,7 +70,7 @@ def test_a_closed_bag_takes_nothing_more(tmp_path, run_info, run_blocks):
 def test_a_full_disk_is_told_in_one_line(tmp_path, run_info, run_blocks):
     bag = BagWriter(tmp_path / "run.mcap", run_info, start_ns=0)
     with open("/dev/full", "wb") as full:  # noqa: PTH123
-        os.dup2(full.fileno(), bag._stream.fileno())
+        os.dup2(full.fileno(), bag._file._stream.fileno())
     bag.write(run_blocks[0])
     with pytest.raises(RecordingError, match=r"No space left.*free space") as error:
         bag.close()

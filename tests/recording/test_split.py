@@ -14,7 +14,7 @@ START_NS = 1_700_000_000_000_000_000
 
 @pytest.fixture
 def split_bag(tmp_path, run_info, run_blocks, make_state):
-    """A bag of three files with a block each; the middle one holds nothing but its block."""
+    """A bag of three files with a block each; the middle one is told no state, and tells that of the first again."""
     path = tmp_path / "run"
     with BagWriter(path, run_info, start_ns=START_NS) as bag:
         bag.write_state(make_state(run_blocks[0]))
@@ -31,7 +31,8 @@ def test_the_run_comes_back_whole(split_bag, run_blocks, make_state):
     found = read(split_bag)
     np.testing.assert_array_equal(found.forces, np.concatenate([block.forces for block in run_blocks]))
     np.testing.assert_array_equal(found.steps, np.arange(2090))
-    assert found.states == (make_state(run_blocks[0]), make_state(run_blocks[2]))
+    again = make_state(run_blocks[1])
+    assert found.states == (make_state(run_blocks[0]), again, make_state(run_blocks[2]))
 
 
 def test_each_file_can_be_read_alone(split_bag, run_blocks, run_info, make_state):
@@ -45,12 +46,12 @@ def test_each_file_can_be_read_alone(split_bag, run_blocks, run_info, make_state
 
 def test_rosbags_reads_all_files_and_their_metadata_tell_them_apart(split_bag, run_blocks):
     with Reader(split_bag) as reader:
-        assert reader.message_count == sum(1 for _ in reader.messages()) == 3 * 5 + 2
+        assert reader.message_count == sum(1 for _ in reader.messages()) == 3 * 5 + 3
         assert reader.start_time == START_NS
     metadata = parse((split_bag / "metadata.yaml").read_text(), "metadata.yaml")["rosbag2_bagfile_information"]
     files = metadata["files"]
     assert metadata["relative_file_paths"] == [file["path"] for file in files] == [f"run_{n}.mcap" for n in range(3)]
-    assert metadata["message_count"] == sum(file["message_count"] for file in files) == 3 * 5 + 2
+    assert metadata["message_count"] == sum(file["message_count"] for file in files) == 3 * 5 + 3
     starts = [file["starting_time"]["nanoseconds_since_epoch"] - START_NS for file in files]
     assert starts == pytest.approx([1e9 * block.time for block in run_blocks], abs=1)
 

@@ -5,5 +5,6 @@ from .bag_writer import BagWriter
 from .messages import State
 from .recording import Recording, blocks, read
 from .run_info import RunInfo
+from .settings import RecordSettings
 
-__all__ = ["Bag", "BagWriter", "Recording", "RunInfo", "State", "blocks", "read"]
+__all__ = ["Bag", "BagWriter", "RecordSettings", "Recording", "RunInfo", "State", "blocks", "read"]

@@ -11,6 +11,8 @@ import struct
 import zlib
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
+from io import FileIO
 from typing import Any, BinaryIO
 
 from mcap.data_stream import RecordBuilder
@@ -42,13 +44,19 @@ INDEX = struct.Struct("<BQQQQQI")  # opcode, length; first and last time, place 
 INDEX_END = struct.Struct("<QI4sQQ")  # length of all entries, compression, compressed size, size
 RECORD = 9
 """Bytes of an opcode and a length, which a record's length leaves out."""
+SLACK = 8192
+"""Bytes of one chunk's index and of all at the end of a file that is of fixed size, at most."""
 
 
 class McapFile:
-    """Writes to a stream that it does not close; what is not yet in a chunk is lost if ``finish`` is never called."""
+    """Writes to a stream that it does not close; what is not yet in a chunk is lost if ``finish`` is never called.
 
-    def __init__(self, stream: BinaryIO, profile: str, library: str) -> None:
-        """Write the beginning of the file to ``stream``."""
+    All methods that write raise OSError if the disk refuses. The file then ends with its last whole chunk, the chunk at
+    hand is lost, and ``finish`` may still find room for the index.
+    """
+
+    def __init__(self, stream: BinaryIO | FileIO, profile: str, library: str) -> None:
+        """Write the beginning of the file to ``stream``, best one without a buffer."""
         self._stream = stream
         self._place = 0
         self._crc = 0
@@ -61,11 +69,10 @@ class McapFile:
         self._chunks = bytearray()
         self._chunk_count = 0
         self._parts: list[bytes | memoryview] = []
-        self._size = 0
+        self._size = self._described = 0
         self._entries: dict[int, bytearray] = {}
         self._span = 0, 0
-        self._write(MAGIC)
-        self._write(_bytes(Header(profile, library)))
+        self._write(MAGIC + _bytes(Header(profile, library)))
 
     def add_metadata(self, name: str, record: Mapping[str, str]) -> None:
         """Write a record of text by name."""
@@ -77,14 +84,14 @@ class McapFile:
         """Register the definition of a type; returns its number."""
         schema = Schema(id=len(self._schemas) + 1, data=text, encoding=encoding, name=name)
         self._schemas.append(schema)
-        self._append(_bytes(schema))
+        self._describe(_bytes(schema))
         return schema.id
 
     def add_channel(self, topic: str, encoding: str, schema: int, metadata: Mapping[str, str]) -> int:
         """Register a topic; returns its number."""
         channel = Channel(len(self._channels) + 1, topic, encoding, dict(metadata), schema)
         self._channels.append(channel)
-        self._append(_bytes(channel))
+        self._describe(_bytes(channel))
         return channel.id
 
     def add_message(self, channel: int, time: int, sequence: int, data: bytes | memoryview) -> None:
@@ -94,27 +101,41 @@ class McapFile:
         else:
             self._span = time, time
         self._entries.setdefault(channel, bytearray()).extend(ENTRY.pack(time, self._size))
-        self._counts[channel] += 1
         self._append(MESSAGE.pack(Opcode.MESSAGE, MESSAGE.size - RECORD + len(data), channel, sequence, time, time))
         self._append(data)
+
+    @property
+    def place(self) -> int:
+        """Bytes written."""
+        return self._place
+
+    @property
+    def holds_messages(self) -> bool:
+        """Whether there are any, written or at hand."""
+        return bool(self._entries or self._chunk_count)
+
+    @property
+    def bound(self) -> int:
+        """Bytes that the file has at most if it is finished now."""
+        entries = sum(map(len, self._entries.values()))
+        return self._place + self._size + self._size // 64 + entries + len(self._chunks) + self._described + SLACK
 
     def flush(self) -> None:
         """Write the chunk at hand and hand it over to the operating system; without messages there is none."""
         if self._entries:
             self._write_chunk()
-        self._stream.flush()
 
     def finish(self) -> None:
         """Write what is at hand, then all that is needed to find a message without reading the whole file."""
         self.flush()
-        self._write(_bytes(DataEnd(self._crc)))
-        start = self._place
+        end = _bytes(DataEnd(self._crc))
+        start = self._place + len(end)
         summary = bytearray()
         offsets = bytearray()
         for opcode, group in (
             (Opcode.SCHEMA, _bytes(*self._schemas)),
             (Opcode.CHANNEL, _bytes(*self._channels)),
-            (Opcode.STATISTICS, _bytes(self._statistics())),
+            (Opcode.STATISTICS, _bytes(self.statistics())),
             (Opcode.CHUNK_INDEX, bytes(self._chunks)),
             (Opcode.METADATA_INDEX, _bytes(*self._metadata)),
         ):
@@ -123,44 +144,56 @@ class McapFile:
                 summary += group
         footer = _bytes(Footer(start, start + len(summary), 0))[: -len(bytes(4))]
         summary += offsets + footer
-        self._write(summary + struct.pack("<I", zlib.crc32(summary)) + MAGIC)
-        self._stream.flush()
+        self._write(end + summary + struct.pack("<I", zlib.crc32(summary)) + MAGIC)
+
+    def _describe(self, record: bytes) -> None:
+        self._append(record)
+        self._described += len(record)  # stands again at the end
 
     def _append(self, data: bytes | memoryview) -> None:
         self._parts.append(data)
         self._size += len(data)
 
     def _write(self, data: bytes | bytearray) -> None:
+        """Write all of ``data`` and hand it over to the operating system, or leave the file as it was."""
+        left = memoryview(data)
+        try:
+            while left:
+                left = left[self._stream.write(left) :]
+            self._stream.flush()
+        except OSError:
+            with suppress(OSError):  # of what is no file on a disk
+                self._stream.truncate(self._place)
+                self._stream.seek(self._place)
+            raise
         self._crc = zlib.crc32(data, self._crc)
-        self._stream.write(data)
         self._place += len(data)
 
     def _write_chunk(self) -> None:
-        raw = b"".join(self._parts)
+        raw, found, (first, last) = b"".join(self._parts), self._entries, self._span
+        self._parts, self._size, self._entries = [], 0, {}
         packed = self._compressor.compress(raw)
-        first, last = self._span
         place, length = self._place, CHUNK.size + len(packed)
         crc, name = zlib.crc32(raw), len(COMPRESSION)
         head = CHUNK.pack(Opcode.CHUNK, length - RECORD, first, last, len(raw), crc, name, COMPRESSION, len(packed))
-        self._write(head)
-        self._write(packed)
 
         entries, offsets = bytearray(), bytearray()
-        for channel, found in self._entries.items():
-            offsets += OFFSET.pack(channel, self._place + len(entries))
-            size = ENTRIES.size - RECORD + len(found)
-            entries += ENTRIES.pack(Opcode.MESSAGE_INDEX, size, channel, len(found)) + found
-        self._write(entries)
+        for channel, of_channel in found.items():
+            offsets += OFFSET.pack(channel, place + length + len(entries))
+            size = ENTRIES.size - RECORD + len(of_channel)
+            entries += ENTRIES.pack(Opcode.MESSAGE_INDEX, size, channel, len(of_channel)) + of_channel
+        self._write(b"".join([head, packed, entries]))
+
         size = INDEX.size - RECORD + len(offsets) + INDEX_END.size
         self._chunks += INDEX.pack(Opcode.CHUNK_INDEX, size, first, last, place, length, len(offsets)) + offsets
         self._chunks += INDEX_END.pack(len(entries), name, COMPRESSION, len(packed), len(raw))
-
+        self._counts.update({channel: len(of_channel) // ENTRY.size for channel, of_channel in found.items()})
         self._first = min(self._first, first) if self._chunk_count else first
         self._last = max(self._last, last) if self._chunk_count else last
         self._chunk_count += 1
-        self._parts, self._size, self._entries = [], 0, {}
 
-    def _statistics(self) -> Statistics:
+    def statistics(self) -> Statistics:
+        """What is in the chunks that have been written."""
         return Statistics(
             attachment_count=0,
             channel_count=len(self._channels),

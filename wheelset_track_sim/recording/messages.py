@@ -21,6 +21,8 @@ from .definitions import serialise
 
 FRAME = "track"
 NANOSECOND = 1e-9
+CHUNK = ("header", "first_step", "time", "step_period", "speed", "position", "revision")
+"""Fields that every chunk carries, and a state."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +41,19 @@ class Message:
     def cdr(self) -> bytes:
         """What goes over the wire and into the bag: the same bytes, made once."""
         return serialise(self.kind, self.fields)
+
+    @property
+    def end_ns(self) -> int:
+        """Time stamp behind the samples that it counts."""
+        span: float = self.fields.get("samples", 0) * self.fields.get("step_period", 0.0)
+        return self.stamp_ns + round(span / NANOSECOND)
+
+    def packed(self) -> Message:
+        """The same with its arrays in ``cdr`` only: who waits for a disk holds them once."""
+        scalars = {name: value for name, value in self.fields.items() if not isinstance(value, np.ndarray)}
+        made = Message(self.topic, self.kind, self.stamp_ns, scalars)
+        vars(made)["cdr"] = self.cdr
+        return made
 
 
 @dataclass(frozen=True)
@@ -130,6 +145,17 @@ def state_message(state: State, start_ns: int) -> Message:
     """Message of a state; ``start_ns`` is the time stamp of step 0, ns."""
     stamp_ns, chunk = _chunk(state, start_ns)
     return Message("state", "SimulationState", stamp_ns, {**vars(state), **chunk})
+
+
+def state_again(state: Message, chunk: Message, note: str = "") -> Message | None:
+    """``state`` told again at the first step of a ``chunk``, with a ``note`` on what is before it.
+
+    None if the chunk is of another revision: the state does not hold there.
+    """
+    if state.fields["revision"] != chunk.fields["revision"]:
+        return None
+    fields = {**state.fields, **{name: chunk.fields[name] for name in CHUNK}}
+    return Message(state.topic, state.kind, chunk.stamp_ns, fields | ({"message": note} if note else {}))
 
 
 def block_of(forces: Any, stresses: list[Any]) -> SampleBlock:

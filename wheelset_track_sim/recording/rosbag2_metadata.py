@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 from ..yaml12 import dump
 from .definitions import full_name, type_hash
 
+METADATA = "metadata.yaml"
 VERSION = 9
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 LATCHED_TOPICS = {"state"}
@@ -19,30 +21,29 @@ DEPTH = 50
 """Messages of a topic kept for a slow subscriber."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Topic:
-    """One topic of a bag and how many messages it has."""
+    """One topic of a bag."""
 
     name: str
     kind: str
     latched: bool
-    count: int = 0
 
 
-@dataclass
+@dataclass(frozen=True)
 class Part:
-    """One file of a bag, and the time stamps of its messages, ns."""
+    """One file of a bag: the time stamps of its messages, ns, their number by topic, its size in bytes."""
 
     name: str
     first_ns: int
     last_ns: int
-    count: int = 0
+    counts: Mapping[str, int]
+    size: int
 
-    def add(self, stamp_ns: int) -> None:
-        """Count a message."""
-        self.first_ns = min(self.first_ns, stamp_ns) if self.count else stamp_ns
-        self.last_ns = max(self.last_ns, stamp_ns) if self.count else stamp_ns
-        self.count += 1
+    @property
+    def count(self) -> int:
+        """Number of all messages."""
+        return sum(self.counts.values())
 
 
 def quality_of_service(latched: bool) -> list[dict[str, Any]]:
@@ -76,7 +77,7 @@ def write_folder_metadata(folder: Path, parts: Sequence[Part], topics: Sequence[
     """Write ``metadata.yaml`` of a bag folder with its files; the old one stays until the new one is complete."""
     told = [part for part in parts if part.count] or parts[:1]
     first_ns, last_ns = min(part.first_ns for part in told), max(part.last_ns for part in told)
-    information = {
+    head = {
         "version": VERSION,
         "storage_identifier": "mcap",
         "duration": {"nanoseconds": last_ns - first_ns},
@@ -91,25 +92,30 @@ def write_folder_metadata(folder: Path, parts: Sequence[Part], topics: Sequence[
                     "offered_qos_profiles": quality_of_service(topic.latched),
                     "type_description_hash": type_hash(topic.kind),
                 },
-                "message_count": topic.count,
+                "message_count": sum(part.counts.get(topic.name, 0) for part in parts),
             }
             for topic in topics
         ],
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": [part.name for part in parts],
-        "files": [
-            {
-                "path": part.name,
-                "starting_time": {"nanoseconds_since_epoch": part.first_ns},
-                "duration": {"nanoseconds": part.last_ns - part.first_ns},
-                "message_count": part.count,
-            }
-            for part in parts
-        ],
         "custom_data": None,
         "ros_distro": "jazzy",
     }
-    temporary = folder / "metadata.yaml.tmp"
-    temporary.write_text(dump({"rosbag2_bagfile_information": information}), "utf-8")
-    temporary.replace(folder / "metadata.yaml")
+    # Line by line, as long bags of many files are told at each new one: a library takes a second for a thousand.
+    lines = dump({"rosbag2_bagfile_information": head}).splitlines()
+    lines += ["  relative_file_paths:", *(f"  - {_text(part.name)}" for part in parts), "  files:"]
+    for part in parts:
+        lines += [
+            f"  - path: {_text(part.name)}",
+            f"    starting_time: {{nanoseconds_since_epoch: {part.first_ns}}}",
+            f"    duration: {{nanoseconds: {part.last_ns - part.first_ns}}}",
+            f"    message_count: {part.count}",
+        ]
+    temporary = folder / f"{METADATA}.tmp"
+    temporary.write_text("\n".join([*lines, ""]), "utf-8")
+    temporary.replace(folder / METADATA)
+
+
+def _text(name: str) -> str:
+    """A name as YAML, whatever is in it."""
+    return json.dumps(name, ensure_ascii=False)
