@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -21,6 +18,7 @@ from ..simulation.decimation import FACTOR
 from ..simulation.impacts import ImpactSettings
 from ..simulation.pacing import Pace
 from ..values import SCENARIO_NUMBERS, Values, values_of, with_values
+from .declaring import declare, fixed, number, warn_of_unknown, whole
 
 START_UP = {
     "scenario": ("damage_wheel_1", "Name of a shipped scenario, or path of a scenario file"),
@@ -36,7 +34,6 @@ WATCHED = {"impact": ImpactSettings, "diagnostics": Limits}
 """What is watched, by the first part of the names of its parameters."""
 DECIMATED = ("contact_forces", "axle_stress")
 """Topics that may be decimated."""
-OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 
 
 @dataclass(frozen=True)
@@ -56,24 +53,24 @@ class Parameters:
         self.following = False
         """Whether parameters are being set to what another way has changed already."""
         for name, (default, description) in START_UP.items():
-            self._declare(name, default, ParameterDescriptor(description=description, read_only=True))
+            declare(node, name, default, fixed(description))
         self.file = load_scenario(self["scenario"])
         """The scenario without parameters."""
         self._listed = self.file.irregularities  # of which the parameters show the first of each wheel
         for name, value in values_of(self.file).items():
-            self._declare(name, value, _number(_quantity(name)))
+            declare(node, name, value, number(_quantity(name)))
         for field in dataclasses.fields(Pace):
             quantity = quantity_of(Pace, field.name)
-            self._declare(field.name, field.default, _number(quantity, read_only=field.name == "duration"))
+            declare(node, field.name, field.default, number(quantity, read_only=field.name == "duration"))
         for topic in DECIMATED:
-            self._declare(
-                f"{topic}.decimation", 1, _whole(FACTOR, f"Steps from sample to sample of {topic}: 1 is full rate")
+            declare(
+                node, f"{topic}.decimation", 1, whole(FACTOR, f"Steps from sample to sample of {topic}: 1 is full rate")
             )
         for prefix, kind in WATCHED.items():
             for field in dataclasses.fields(kind):
-                self._declare(f"{prefix}.{field.name}", field.default, _number(quantity_of(kind, field.name)))
-        self._declare("prometheus.port", 0, _whole(PORT, PORT.meaning.rstrip(","), read_only=True))
-        self._warn_of_unknown()
+                declare(node, f"{prefix}.{field.name}", field.default, number(quantity_of(kind, field.name)))
+        declare(node, "prometheus.port", 0, whole(PORT, PORT.meaning.rstrip(","), read_only=True))
+        warn_of_unknown(node)
         self.check_clock(self["use_sim_time"])
         self.changed({}, self.file)
         self.pace({})
@@ -138,45 +135,7 @@ class Parameters:
         names = {topic: f"{topic}.decimation" for topic in DECIMATED}
         return {topic: changes[name] if name in changes else self[name] for topic, name in names.items()}
 
-    def _declare(self, name: str, default: Any, descriptor: ParameterDescriptor) -> None:
-        try:
-            self._node.declare_parameter(name, default, descriptor)
-        except InvalidParameterTypeException:
-            kind = {
-                float: "a number with a decimal point, such as 1.0",
-                int: "a whole number, such as 10",
-                bool: "true or false",
-                str: "text",
-            }
-            raise InputError(f"parameter {name} is of the wrong type: give {kind[type(default)]}") from None
-        except InvalidParameterValueException as refusal:
-            raise InputError(" ".join(str(refusal).split())) from None
-
-    def _warn_of_unknown(self) -> None:
-        """A name that nobody declared may be a slip, or in a file shared with other nodes: it is not refused."""
-        for name in _overrides(self._node):
-            if not self._node.has_parameter(name) and not name.startswith(OF_ROS):
-                self._node.get_logger().warning(f"parameter {name} is not known and not used")
-
 
 def _quantity(name: str) -> Quantity:
     *damage, last = name.split(".")
     return quantity_of(Breakout if damage else Scenario, last)
-
-
-def _number(quantity: Quantity, *, read_only: bool = False) -> ParameterDescriptor:
-    unit = f", {quantity.unit}" if quantity.unit else ""
-    return ParameterDescriptor(
-        description=f"{quantity.meaning.rstrip(',')}{unit}",
-        read_only=read_only,
-        floating_point_range=[FloatingPointRange(from_value=float(quantity.low), to_value=float(quantity.high))],
-    )
-
-
-def _whole(quantity: Quantity, description: str, *, read_only: bool = False) -> ParameterDescriptor:
-    limits = IntegerRange(from_value=int(quantity.low), to_value=int(quantity.high))
-    return ParameterDescriptor(description=description, read_only=read_only, integer_range=[limits])
-
-
-def _overrides(node: Node) -> Iterable[str]:
-    return getattr(node, "_parameter_overrides", {})

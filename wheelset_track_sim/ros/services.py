@@ -15,18 +15,17 @@ from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
 from wheelset_track_msgs.srv import GetContactPressure, SetSpeed, SetTreadDamage, StartRecording
 
-from ..errors import InputError, WheelsetTrackError
+from ..errors import InputError
 from .conversions import header
 from .recorder import path_below
 from .revisions import Outcome
+from .serving import Answer, served
 
 if TYPE_CHECKING:
     from .node import SimulationNode
 
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
-Answer = dict[str, Any]
-"""Fields of a response."""
 
 
 class Services:
@@ -38,7 +37,7 @@ class Services:
 
     def __init__(self, node: SimulationNode) -> None:
         """For ``node``, as long as it lives."""
-        self._node = node
+        self._node, log = node, node.get_logger()
         changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
         for kind, name, answer, group in (
             (SetTreadDamage, "set_tread_damage", self._set_tread_damage, changing),
@@ -51,7 +50,7 @@ class Services:
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
             (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
         ):
-            node.create_service(kind, f"~/{name}", partial(self._served, answer), callback_group=group)
+            node.create_service(kind, f"~/{name}", partial(served, log, answer), callback_group=group)
         for message, name, take in (
             (Float64, "speed", lambda message: node.revisions.speed(message.data)),
             (TreadDamageArray, "tread_damage", lambda message: node.revisions.damage(message.damage)),
@@ -60,19 +59,6 @@ class Services:
             node.create_subscription(
                 message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=changing
             )
-
-    def _served(self, answer: Callable[[Any], Answer], request: Any, response: Any) -> Any:
-        """``response`` with an answer, or with the reason why there is none."""
-        try:
-            fields = {"success": True, **answer(request)}
-        except WheelsetTrackError as refusal:
-            fields = {"success": False, "message": str(refusal)}
-        except Exception as failure:  # noqa: BLE001  the executor must live, and the client must not wait
-            self._node.get_logger().fatal(traceback.format_exc())
-            fields = {"success": False, "message": f"it failed, see the node's log: {failure!r}"}
-        for name, value in fields.items():
-            setattr(response, name, value)
-        return response
 
     def _taken(self, topic: str, take: Callable[[Any], Outcome], message: Any) -> None:
         try:
