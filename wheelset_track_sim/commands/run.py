@@ -14,12 +14,10 @@ from rich.console import Console
 from rich.table import Table
 
 from ..errors import InputError
-from ..recording.bag_writer import BagWriter
-from ..recording.origin import run_info, state
+from ..recording.run_writer import RunWriter
 from ..scenario import WHEELS, load_scenario
 from ..simulation.simulator import Simulator
 from ..simulation.summary import Summary, combine, summarise
-from ..simulation.watch import Watch
 from .progress import shown
 
 CHUNK = 1389
@@ -40,12 +38,8 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
-        writer = None
-        if out is not None:
-            writer = stack.enter_context(BagWriter(out, run_info(simulator), start_ns=0))
-            writer.write_state(state(simulator))
+        writer = None if out is None else stack.enter_context(RunWriter(out, simulator))
         chunk = LONG_CHUNK if writer is None else CHUNK
-        watch = Watch(simulator)
         started = time.perf_counter()
         totals: Summary | None = None
         while (left := steps_left(simulator, duration)) > 0:
@@ -53,11 +47,10 @@ def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             if writer is not None:
-                seen = watch.push(block, part)
-                writer.write(block, summary=part, turn=seen.turn, impacts=seen.impacts)
+                writer.push(block, part)
             progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
         if writer is not None:
-            writer.write_impacts(watch.finish())
+            writer.finish()
         wall = time.perf_counter() - started
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall)

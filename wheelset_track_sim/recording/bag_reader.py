@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -103,6 +103,11 @@ class Bag:
         if following is None:
             raise self._nothing()
 
+    @cached_property
+    def states(self) -> tuple[State, ...]:
+        """What was simulated: the state at the start, and one for every revision."""
+        return tuple(state_of(message) for _, _, message in self._messages(("SimulationState",)))
+
     def _stress_topics(self) -> list[str]:
         for file in self.files:
             with _reading(file) as reader:
@@ -116,11 +121,11 @@ class Bag:
                     return found
         return []
 
-    def _messages(self) -> Iterator[tuple[str, str, Any]]:
-        """Short type name, topic and message, in the order of the files."""
+    def _messages(self, wanted: Collection[str] = KINDS) -> Iterator[tuple[str, str, Any]]:
+        """Short type name, topic and message of the kinds ``wanted``, in the order of the files."""
         for file in self.files:
             with _reading(file) as reader:
-                kinds = _topics(_summary(reader))
+                kinds = {topic: kind for topic, kind in _topics(_summary(reader)).items() if kind in wanted}
                 if not kinds:
                     continue
                 # In the order of time, which is that of the file: without it mcap reads all before it yields the first.

@@ -14,18 +14,23 @@ from .run_info import RunInfo
 
 def run_info(simulator: Simulator) -> RunInfo:
     """Origin of a simulator's run, with all that went in so far."""
-    scenario, models = simulator.in_force, simulator.models
+    scenario = simulator.in_force
     return RunInfo(
         scenario_name=scenario.name,
         scenario=scenario.to_yaml(),
-        digest=models.digest(scenario),
-        sleeper_spacing=models.track.spacing,
-        models={"wheelset": digest(models.wheelset), "track": digest(models.track)},
+        digest=simulator.models.digest(scenario),
+        sleeper_spacing=simulator.models.track.spacing,
+        models=model_digests(simulator),
         inputs=tuple(
             Input(applied.revision.number, applied.revision.step, applied.scenario.to_yaml())
             for applied in simulator.history
         ),
     )
+
+
+def model_digests(simulator: Simulator) -> dict[str, str]:
+    """Digests of the models, as their files describe them."""
+    return {"wheelset": digest(simulator.models.wheelset), "track": digest(simulator.models.track)}
 
 
 def state(simulator: Simulator, block: SampleBlock | None = None, *, recording: str = "") -> State:
