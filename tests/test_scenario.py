@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from wheelset_track_sim import shipped
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import Scenario, SetPoint, load_scenario, override, scenario_from
-from wheelset_track_sim.yaml12 import parse
+from wheelset_track_sim.yaml12 import dump, parse
 
 
 @pytest.mark.parametrize("name", shipped.names("scenarios"))
@@ -115,3 +115,15 @@ def test_a_key_within_a_named_track_makes_its_content_part_of_the_scenario():
     assert scenario.track["spacing"] == 0.6
     assert scenario.wheelset == "x40"
     assert scenario_from(scenario.to_mapping()) == scenario
+
+
+def test_files_of_models_become_part_of_the_scenario(tmp_path: Path) -> None:
+    """A bag that tells its scenario then stands on its own."""
+    track = tmp_path / "soft.yaml"
+    track.write_text(dump(shipped.load_yaml("tracks", "ballasted_60e1")))
+    scenario = load_scenario("undamaged", [f"track={track}"])
+    track.unlink()
+    assert scenario.track == shipped.load_yaml("tracks", "ballasted_60e1")
+    assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
+    with pytest.raises(InputError, match=r"soft\.yaml cannot be read"):
+        load_scenario("undamaged", [f"track={track}"])

@@ -147,7 +147,15 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
     for change in overrides:
         override(data, change)
+    _take_in(data)
     return scenario_from(data)
+
+
+def _take_in(data: dict[str, Any]) -> None:
+    """Put the content of files of the user's in the place of their names, so that a scenario needs no other file."""
+    for model in ("wheelset", "track"):
+        if isinstance(data.get(model), str) and Path(data[model]).suffix in (".yaml", ".yml"):
+            data[model] = load_yaml(f"{model}s", data[model])
 
 
 def scenario_from(data: Mapping[str, Any]) -> Scenario:
