@@ -1,13 +1,15 @@
 """Runs made up of plain numbers, for what records and shows runs and does not care where they come from."""
 
+import dataclasses
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
-from wheelset_track_sim.recording import RunInfo, State
+from wheelset_track_sim.recording import BagWriter, RunInfo, State
 from wheelset_track_sim.simulation.block import SampleBlock
 
 # The first example may compile a kernel, and machines are shared: no test is about seconds.
@@ -51,6 +53,28 @@ def state_of_numbers(block: SampleBlock) -> State:
         digest="0123abcd",
         real_time_factor=math.inf,
     )
+
+
+def small_run(path: Path, *, chunks: int, length: int) -> tuple[list[SampleBlock], list[State], RunInfo]:
+    """Record a bag with a chunk of the file for each block; the blocks, states and origin that are in it."""
+    info = RunInfo("undamaged", "name: undamaged  # Ångström\nspeed: 27.7777778\n", "0123abcd", 0.6)
+    blocks: list[SampleBlock] = []
+    for number in range(chunks):
+        time = blocks[-1].time + length * blocks[-1].step_period if blocks else 0.0
+        blocks.append(block_of_numbers(number * length, length, time=time, revision=number // 4))
+    states = [dataclasses.replace(state_of_numbers(block), scenario=info.scenario) for block in blocks[::4]]
+    with BagWriter(path, info, start_ns=1_700_000_000_123_456_789) as writer:
+        for number, block in enumerate(blocks):
+            if number % 4 == 0:
+                writer.write_state(states[number // 4])
+            writer.write(block)
+            writer._file.flush()
+    return blocks, states, info
+
+
+@pytest.fixture(scope="session")
+def make_small_run() -> Callable[..., tuple[list[SampleBlock], list[State], RunInfo]]:
+    return small_run
 
 
 @pytest.fixture

@@ -2,9 +2,22 @@
 
 from .bag_reader import Bag
 from .bag_writer import BagWriter
+from .losses import Damage, Gap, Loss
 from .messages import State
 from .recording import Recording, blocks, read
 from .run_info import RunInfo
 from .settings import RecordSettings
 
-__all__ = ["Bag", "BagWriter", "RecordSettings", "Recording", "RunInfo", "State", "blocks", "read"]
+__all__ = [
+    "Bag",
+    "BagWriter",
+    "Damage",
+    "Gap",
+    "Loss",
+    "RecordSettings",
+    "Recording",
+    "RunInfo",
+    "State",
+    "blocks",
+    "read",
+]

@@ -63,7 +63,7 @@ def serialise(kind: str, fields: Mapping[str, Any]) -> bytes:
     return bytes(typestore().serialize_cdr(_message(name, fields), name))
 
 
-def deserialise(kind: str, data: bytes) -> Any:
+def deserialise(kind: str, data: bytes | memoryview) -> Any:
     """Message with its fields as attributes; raises rosbags' SerdeError for data that are not such a message."""
     return typestore().deserialize_cdr(data, full_name(kind))
 

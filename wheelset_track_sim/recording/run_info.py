@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import platform
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -19,6 +21,8 @@ from ..cache import digest
 from .inputs import Input, decoded, encoded, with_input
 
 METADATA_NAME = "wheelset_track_sim"
+CHECKSUM = "crc32"
+"""Key of the record's own checksum: MCAP has none for what stands outside of chunks until the file is closed."""
 NAMED = {"versions": "version.", "models": "model."}
 """Fields that are mappings, with what stands before their names in the record."""
 
@@ -52,6 +56,12 @@ def versions() -> dict[str, str]:
     return dict(_versions())
 
 
+def _checksum(record: Mapping[str, str]) -> str:
+    """CRC-32 of all other texts of a record, as hexadecimal digits."""
+    told = [item for name in sorted(record) if name != CHECKSUM for item in (name, record[name])]
+    return f"{zlib.crc32(json.dumps(told).encode()):08x}"
+
+
 @dataclass(frozen=True)
 class RunInfo:
     """Origin of a run: what was simulated, with what."""
@@ -78,11 +88,14 @@ class RunInfo:
         record = {name: str(getattr(self, name)) for name in ("scenario_name", "scenario", "digest", "sleeper_spacing")}
         for name, prefix in NAMED.items():
             record |= {f"{prefix}{key}": text for key, text in getattr(self, name).items()}
-        return record | ({"inputs": encoded(self.inputs)} if self.inputs else {})
+        record |= {"inputs": encoded(self.inputs)} if self.inputs else {}
+        return record | {CHECKSUM: _checksum(record)}
 
     @classmethod
     def from_metadata(cls, record: Mapping[str, str]) -> RunInfo:
-        """RunInfo from its record; raises KeyError or ValueError if the record is not one."""
+        """RunInfo from its record; raises KeyError or ValueError if the record is not one, or not as it was written."""
+        if record.get(CHECKSUM, "") not in ("", _checksum(record)):
+            raise ValueError("its checksum is wrong")
         named = {
             name: {key.removeprefix(prefix): text for key, text in record.items() if key.startswith(prefix)}
             for name, prefix in NAMED.items()

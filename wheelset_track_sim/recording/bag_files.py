@@ -1,0 +1,43 @@
+"""The files of a bag: which there are, in their order, and which should be there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from ..errors import InputError, RecordingError
+from ..yaml12 import parse
+from .losses import Damage
+
+
+def files_of(path: Path) -> tuple[Path, ...]:
+    """Files of a bag, which is one of them or their folder; raises RecordingError if there are none."""
+    if not path.exists():
+        raise RecordingError(f"{path} does not exist: give a bag folder or an .mcap file")
+    if path.is_file():
+        return (path,)
+    files = sorted(path.glob("*.mcap"), key=lambda file: (_number(file.name), file.name))
+    if not files:
+        raise RecordingError(f"{path} holds no .mcap file: give a bag folder or an .mcap file")
+    return tuple(files)
+
+
+def missing_files(path: Path) -> list[Damage]:
+    """What ``metadata.yaml`` of a folder names and is not there; its own loss, too. None for a single file."""
+    if not path.is_dir():
+        return []
+    text = path / "metadata.yaml"
+    if not text.exists():
+        return [Damage(text.name, 0, 0, "it is missing")]
+    try:
+        information = parse(text.read_text("utf-8"), text.name)["rosbag2_bagfile_information"]
+        names = [str(name) for name in information["relative_file_paths"]]
+    except (OSError, InputError, ValueError, LookupError, TypeError):
+        return [Damage(text.name, 0, 0, "it cannot be read")]
+    return [Damage(name, 0, 0, "it is missing") for name in names if not (path / name).exists()]
+
+
+def _number(name: str) -> int:
+    """Number at the end of a file's name."""
+    found = re.search(r"(\d+)\.mcap$", name)
+    return int(found[1]) if found else 0

@@ -1,0 +1,42 @@
+"""What is missing in a bag, by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Damage:
+    """Bytes of a file that cannot be read, or what else is wrong with it."""
+
+    file: str
+    place: int
+    """First byte."""
+    end: int
+    """First byte after it; ``place`` if no bytes are lost."""
+    reason: str
+
+    @property
+    def what(self) -> str:
+        """Without the file."""
+        return f"bytes {self.place} to {self.end - 1}: {self.reason}" if self.end > self.place else self.reason
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.what}"
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Steps that are missing between two blocks."""
+
+    first_step: int
+    steps: int
+    seconds: float
+    """Simulated time between the samples before and after that is not there."""
+
+    def __str__(self) -> str:
+        last = self.first_step + self.steps - 1
+        return f"steps {self.first_step} to {last} are missing ({self.seconds:.4g} s)"
+
+
+Loss = Damage | Gap
