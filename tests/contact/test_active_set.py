@@ -23,7 +23,7 @@ def law():
 
 def full_influence(law):
     """Influence matrix of all elements, spelled out."""
-    nx, ny = law.separation.shape
+    nx, ny = law.separation.shape[1:]
     i, j = (index.ravel() for index in np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij"))
     return law.influence[abs(i[:, None] - i), abs(j[:, None] - j)]
 

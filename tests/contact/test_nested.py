@@ -3,7 +3,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wheelset_track_sim.contact import ContactGeometry, RailHead, approach_for_force, build_contact_law, solve_patch
+from wheelset_track_sim.contact import (
+    ContactGeometry,
+    Pair,
+    RailHead,
+    approach_for_force,
+    build_contact_law,
+    solve_patch,
+)
 from wheelset_track_sim.contact.active_set_kernels import CONVERGED, solve_active_set
 from wheelset_track_sim.contact.law_kernels import solve_contact, solve_nested, total_separation
 from wheelset_track_sim.contact.nested import nested_contacts
@@ -35,16 +42,16 @@ def smooth():
 
 
 def plainly(law, step, approach, compliance, wheel=0):
-    guess = np.zeros(law.separation.shape, bool)
-    pressure = np.empty(law.separation.shape)
+    guess = np.zeros(law.separation.shape[1:], bool)
+    pressure = np.empty(law.separation.shape[1:])
     gap = total_separation(law, wheel, step, step)
     found = solve_active_set(gap, False, law.influence, law.element_area, approach, compliance, guess, pressure)
     return (*found, guess, pressure)
 
 
 def in_order(law, step, approach, compliance, guess=None, wheel=0):
-    guess = np.zeros(law.separation.shape, bool) if guess is None else guess.copy()
-    pressure = np.empty(law.separation.shape)
+    guess = np.zeros(law.separation.shape[1:], bool) if guess is None else guess.copy()
+    pressure = np.empty(law.separation.shape[1:])
     return (*solve_nested(law, wheel, step, step, approach, compliance, guess, pressure), guess, pressure)
 
 
@@ -96,7 +103,7 @@ def test_conditions_hold_on_every_element(law, step, depth, compliance):
 @given(steps, depths, compliances, st.integers(0, 2**32 - 1), st.floats(0, 1))
 def test_the_first_guess_does_not_change_a_bit(law, step, depth, compliance, seed, share):
     approach = total_separation(law, 0, step, step).min() + depth
-    guess = np.random.default_rng(seed).random(law.separation.shape) < share**4
+    guess = np.random.default_rng(seed).random(law.separation.shape[1:]) < share**4
     near = in_order(law, step - 1, approach, compliance)[3]
     for one in (guess, near, near & ~guess):
         cold, warm = in_order(law, step, approach, compliance), in_order(law, step, approach, compliance, one)
@@ -154,14 +161,14 @@ def test_a_pit_in_the_middle_and_a_defect(smooth):
         approach = total_separation(law, 0, 0, 0).min() + 1.1e-4
         expected = plainly(law, 0, approach, 0.0)
         assert (in_order(law, 0, approach, 0.0)[2] == FAR) == far
-        found = solve_contact(law, 0, 0, 0, approach, 0.0, np.zeros(law.separation.shape, bool), NONE)
+        found = solve_contact(law, 0, 0, 0, approach, 0.0, np.zeros(law.separation.shape[1:], bool), NONE)
         assert found[:2] == pytest.approx(expected[:2], rel=1e-9)
         assert not expected[3][len(law.x) // 2, len(law.y) // 2]
 
 
 @pytest.mark.parametrize("approach", [np.nan, np.inf, 0.1, 1e-3])
 def test_what_is_too_deep_or_no_number_is_not_for_the_method(law, approach):
-    guess = np.ones(law.separation.shape, bool)
+    guess = np.ones(law.separation.shape[1:], bool)
     assert solve_nested(law, 0, 0, 0, approach, 0.0, guess, NONE)[2] == FAR
     assert guess.all()
     assert solve_nested(law, 0, 0, 0, 1e-4, np.nan, guess, NONE)[2] == FAR
@@ -235,8 +242,8 @@ def test_factor_of_a_matrix_that_has_none_is_no_number():
 
 
 def test_order_is_that_of_contacts_which_grow(smooth):
-    nested = smooth.nested
-    nx, ny = smooth.separation.shape
+    nested = smooth.nested[0]
+    nx, ny = smooth.separation.shape[1:]
     place = np.full(nx * ny, len(nested.element))
     place[nested.element] = np.arange(len(nested.element))
     for force in (20e3, 98.1e3, 300e3):
@@ -244,23 +251,23 @@ def test_order_is_that_of_contacts_which_grow(smooth):
         assert (place[inside] >= inside.sum()).sum() <= 0.04 * inside.sum() + 2
     assert (np.diff(nested.beyond) >= 0).all()
     left_out = np.setdiff1d(np.arange(nx * ny), nested.element)
-    assert nested.beyond[-1] == smooth.separation.ravel()[left_out].min()
+    assert nested.beyond[-1] == smooth.separation[0].ravel()[left_out].min()
     assert not {0, nx - 1} & set(nested.element // ny)
     assert not {0, ny - 1} & set(nested.element % ny)
 
 
 def test_pressures_act_at_least_as_at_their_mean_distance(smooth):
-    nested = smooth.nested
+    nested = smooth.nested[0]
     dx, dy = (abs(np.subtract.outer(each, each)) for each in (nested.x, nested.y))
-    step_x, step_y = smooth.x[1] - smooth.x[0], smooth.y[1] - smooth.y[0]
+    step_x, step_y = smooth.x[1] - smooth.x[0], smooth.y[0, 1] - smooth.y[0, 0]
     influence = smooth.influence[np.round(dx / step_x).astype(int), np.round(dy / step_y).astype(int)]
     apart = dx + dy > 0
     assert (influence * np.hypot(dx, dy))[apart].min() >= nested.far * (1 - 1e-9) > 0
 
 
 def test_other_geometries():
-    sharp = ContactGeometry(wheel_radius=0.3, head=RailHead((0.1,), (0.03,)))
+    sharp = ContactGeometry(wheel_radius=0.3, pairs=(Pair(rail=RailHead((0.1,), (0.03,))),) * 2)
     law = build_contact_law([], sharp, DX, 2000, tables=False)
-    assert (nested_contacts(sharp, law.x, law.y).element == law.nested.element).all()
+    assert (nested_contacts(sharp, 0, law.x, law.y[0], law.separation[0]).element == law.nested[0].element).all()
     for depth in (1e-5, 2e-4):
         assert in_order(law, 0, depth, 0.0)[0] == pytest.approx(plainly(law, 0, depth, 0.0)[0], rel=1e-11)

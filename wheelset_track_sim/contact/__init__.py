@@ -3,17 +3,21 @@
 The coupled step calls ``contact_force`` of ``law_kernels`` with the law that ``build_contact_law`` makes.
 """
 
+from .geometry import ContactGeometry, Pair
 from .hertz import HertzContact
 from .law import ContactPatch, approach_for_force, build_contact_law, force_at, solve_patch
 from .law_kernels import ContactLaw, contact_force, contact_pressure
-from .profiles import ContactGeometry, RailHead
+from .profiles import Points, RailHead, Straight
 
 __all__ = [
     "ContactGeometry",
     "ContactLaw",
     "ContactPatch",
     "HertzContact",
+    "Pair",
+    "Points",
     "RailHead",
+    "Straight",
     "approach_for_force",
     "build_contact_law",
     "contact_force",

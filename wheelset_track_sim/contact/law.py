@@ -14,11 +14,12 @@ from ..errors import ContactError, InputError
 from ..irregularities import RailIrregularity, TreadIrregularity, rail_heights, tread_heights
 from ..jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
+from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
 from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
 from .nested import nested_contacts, no_nested_contacts
-from .profiles import ContactGeometry
+from .order_kernels import NestedContacts
 from .tables import Progress, force_tables, windows
 
 WHEELS = ("wheel_1", "wheel_2")
@@ -52,7 +53,7 @@ class ContactPatch:
     x: NDArray[np.float64]
     """Longitudinal positions of the elements, (nx,), m, ahead positive."""
     y: NDArray[np.float64]
-    """Lateral positions of the elements, (ny,), m."""
+    """Lateral positions of the elements, from the middle of the rail's head, (ny,), m, to the left positive."""
 
 
 def contact_grid(
@@ -60,12 +61,23 @@ def contact_grid(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Positions x and y of the elements whose nominal separation is below ``reach``, m, and of one row more around.
 
-    With half-spaces the contact lies where the undeformed bodies would overlap, so this holds every contact of an
-    approach up to ``reach``. Odd in number, with an element in the middle; not beside the rail head.
+    They count from where wheel and rail touch. With half-spaces the contact lies where the undeformed bodies would
+    overlap, so this holds every contact of an approach up to ``reach``, under both wheels. Odd in number, with an
+    element in the middle; not beside both rail heads. Raises InputError if the points of a profile end within.
     """
-    half_x = int(np.sqrt(reach * (2 * geometry.wheel_radius - reach)) / dx) + 1
-    on_head = np.arange(int(geometry.head.half_width / dy * (1 + 1e-12)) + 1)
-    half_y = min(int((geometry.head.drop(on_head * dy) < reach).sum()), int(on_head[-1]))
+    half_y, radius = 0, geometry.wheel_radius
+    for name, pair in zip(WHEELS, geometry.pairs, strict=True):
+        if not reach <= pair.open_gap:
+            raise InputError(
+                f"the points of {name} or its rail end where the surfaces are {pair.open_gap:.3g} m apart, within the "
+                f"potential contact area of {reach:.3g} m: give points further out"
+            )
+        for side, end in zip((-1, 1), pair.span, strict=True):
+            y = np.arange(int(side * (end - pair.touch) / dy * (1 + 1e-12)) + 1) * dy
+            within = np.flatnonzero(pair.gap(pair.touch + side * y) < reach)
+            half_y = max(half_y, min(int(within[-1]) + 1, len(y) - 1))
+            radius = max(radius, geometry.wheel_radius + pair.wheel_height(pair.touch + side * y[within]).max())
+    half_x = int(np.sqrt(reach * (2 * radius - reach)) / dx) + 1
     return _spaced(half_x, dx), _spaced(half_y, dy)
 
 
@@ -105,20 +117,33 @@ def build_contact_law(
         raise InputError(f"n_c = {n_c} is out of range: give at least 100 steps around the wheel")
 
     # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
-    head = int(geometry.head.half_width / dy * (1 + 1e-12))
+    ends = [abs(end - pair.touch) for pair in geometry.pairs for end in pair.span]
+    head = int(max(ends) / dy * (1 + 1e-12))
     wide = _spaced(head, dy)
-    tread = np.stack([tread_heights(irregularities, wheel, n_c, dx, wide) for wheel in WHEELS])
+    touch, circle = (np.array([each(wheel) for wheel in (0, 1)]) for each in (geometry.touch, geometry.rolling_circle))
+    tread = np.stack(
+        [
+            tread_heights(irregularities, wheel, n_c, dx, wide + at)
+            for wheel, at in zip(WHEELS, touch - circle, strict=True)
+        ]
+    )
     # A crown of the smaller radius needs a larger approach for the same force; so does a tread lowered all over.
-    sharper = HertzContact(geometry.wheel_radius, min(geometry.head.radii[:2]), geometry.contact_modulus)
+    sharper = HertzContact(
+        geometry.wheel_radius, min(pair.sharpest for pair in geometry.pairs), geometry.contact_modulus
+    )
     smooth_reach = sharper.approach(largest_force)
-    rail = np.stack([rail_heights(rails, f"rail_{number}", rail_steps, dx, wide) for number in (1, 2)])
+    rail = np.stack(
+        [rail_heights(rails, f"rail_{number}", rail_steps, dx, wide + touch[number - 1]) for number in (1, 2)]
+    )
     reach = smooth_reach + np.ptp(tread) + np.ptp(rail)
     x, y = contact_grid(geometry, dx, dy, reach)
     if len(x) > n_c:
         raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
     nx, ny = len(x), len(y)
     tread, rail = (np.ascontiguousarray(each[:, :, head - ny // 2 : head + ny // 2 + 1]) for each in (tread, rail))
-    separation = geometry.separation(x[:, None], y)
+    places = touch[:, None] + y
+    separation = np.stack([geometry.separation(wheel, x[:, None], places[wheel]) for wheel in (0, 1)])
+    symmetric = (separation == separation[:, :, ::-1]).all(axis=(1, 2))
     influence = influence_table(nx, ny, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
 
     table = np.full((2, n_c), -1, np.int32)
@@ -126,19 +151,19 @@ def build_contact_law(
     if tables:
         table_force = min(largest_force, TABLE_FORCE)
         placed = windows(tread, separation, sharper.approach(table_force))
-        heights, number = placed.heights, placed.number
+        gaps, number = placed.gaps, placed.number
         if tables == "smooth":
-            heights, number = heights[:1], np.where(number > 0, np.int32(-1), number)
-        stored = force_tables(heights, separation, influence, dx * dy, table_force, progress)
+            gaps, number = gaps[: placed.smooth], np.where(number >= placed.smooth, np.int32(-1), number)
+        stored = force_tables(gaps, influence, dx * dy, table_force, progress)
         table, first, points = number, stored.first, stored.points
         table[rail.any(axis=(1, 2))] = -1
     return ContactLaw(
         tread=tread,
         rail=rail,
-        tread_mirrored=_mirrored_within(tread, nx),
+        tread_mirrored=_mirrored_within(tread, nx) & symmetric[:, None],
         rail_mirrored=(rail == rail[:, :, ::-1]).all(axis=(1, 2)),
         x=x,
-        y=y,
+        y=places,
         separation=separation,
         influence=influence,
         element_area=dx * dy,
@@ -147,9 +172,17 @@ def build_contact_law(
         points=points,
         tread_top=_highest_within(tread, nx),
         rail_top=_highest_within(rail, nx),
-        nested=nested_contacts(geometry, x, y) if (table < 0).any() else no_nested_contacts(),
+        nested=_nested(geometry, x, y, separation) if (table < 0).any() else (no_nested_contacts(),) * 2,
         in_contact=np.zeros((2, nx, ny), np.bool_),
     )
+
+
+def _nested(
+    geometry: ContactGeometry, x: NDArray[np.float64], y: NDArray[np.float64], separation: NDArray[np.float64]
+) -> tuple[NestedContacts, NestedContacts]:
+    first = nested_contacts(geometry, 0, x, y, separation[0])
+    alike = (separation[0] == separation[1]).all()
+    return first, first if alike else nested_contacts(geometry, 1, x, y, separation[1])
 
 
 def _spaced(half: int, step: float) -> NDArray[np.float64]:
@@ -177,8 +210,8 @@ def solve_patch(
 
     Arguments as in ``contact_force``. Raises ContactError with the inputs if there is no solution.
     """
-    pressure = np.empty(law.separation.shape)
-    guess = np.zeros(law.separation.shape, np.bool_)
+    pressure = np.empty(law.separation.shape[1:])
+    guess = np.zeros(law.separation.shape[1:], np.bool_)
     force, stiffness, status = solve_contact(
         law, wheel, tread_index, rail_index, float(approach), float(compliance), guess, pressure
     )
@@ -187,7 +220,7 @@ def solve_patch(
             f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index}, approach {approach:g} m, "
             f"compliance {compliance:g} m/N: {REASONS.get(status, 'the inputs are not finite')}"
         )
-    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y)
+    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel])
 
 
 _SOLVER: list[Address] = []

@@ -26,15 +26,15 @@ class ContactLaw(NamedTuple):
     rail: NDArray[np.float64]
     """Heights of the rails, (2, n_r, ny), m; one row of zeros where the rails are smooth."""
     tread_mirrored: NDArray[np.bool_]
-    """Whether the tread within the area is symmetric about y = 0, (2, n_c)."""
+    """Whether tread and nominal surfaces within the area are symmetric about its middle, (2, n_c)."""
     rail_mirrored: NDArray[np.bool_]
-    """Whether the rail is symmetric about y = 0, (2,)."""
+    """Whether the rail is symmetric about the middle of the area, (2,)."""
     x: NDArray[np.float64]
     """Longitudinal positions of the elements, (nx,), m."""
     y: NDArray[np.float64]
-    """Lateral positions of the elements, (ny,), m."""
+    """Lateral positions of the elements, from the middle of each rail's head, (2, ny), m."""
     separation: NDArray[np.float64]
-    """Separation of the nominal surfaces, (nx, ny), m."""
+    """Separation of the nominal surfaces, (2, nx, ny), m."""
     influence: NDArray[np.float64]
     """Influence coefficients by element offset, (nx, ny), m/Pa."""
     element_area: float
@@ -49,8 +49,8 @@ class ContactLaw(NamedTuple):
     """Highest of the tread within the area, (2, n_c), m."""
     rail_top: NDArray[np.float64]
     """Highest of the rail within the area, (2, n_r), m."""
-    nested: NestedContacts
-    """What solves contacts that are nearly those of smooth surfaces."""
+    nested: tuple[NestedContacts, NestedContacts]
+    """What solves contacts of each wheel that are nearly those of smooth surfaces."""
     in_contact: NDArray[np.bool_]
     """Elements in contact at the last solution, (2, nx, ny): the first guess of the next."""
 
@@ -58,14 +58,14 @@ class ContactLaw(NamedTuple):
 @kernel
 def total_separation(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> NDArray[np.float64]:
     """z_R + z_W + r_R + r_W of Eq. (12), (nx, ny), m; r is minus the height: missing material widens the gap."""
-    nx, ny = law.separation.shape
+    nx, ny = law.separation.shape[1:]
     n_c, n_r = law.tread.shape[1], law.rail.shape[1]
     gap = np.empty((nx, ny))
     for i in range(nx):
         tread = law.tread[wheel, (tread_index + i - nx // 2) % n_c]
         rail = law.rail[wheel, (rail_index + i - nx // 2) % n_r]
         for j in range(ny):
-            gap[i, j] = law.separation[i, j] - (tread[j] + rail[j])
+            gap[i, j] = law.separation[wheel, i, j] - (tread[j] + rail[j])
     return gap
 
 
@@ -81,12 +81,12 @@ def solve_nested(
     pressure: NDArray[np.float64],
 ) -> tuple[float, float, int]:
     """``solve_contact`` by ``solve_in_order``; with a status of FAR, that is not for it and nothing has changed."""
-    nested, tread, rail = law.nested, law.tread[wheel], law.rail[wheel]
+    nested, tread, rail = law.nested[wheel], law.tread[wheel], law.rail[wheel]
     if not np.isfinite(approach) or not compliance >= 0.0:
         return np.nan, np.nan, FAR
     top = law.tread_top[wheel, tread_index % len(tread)] + law.rail_top[wheel, rail_index % len(rail)]
     gap = np.empty(len(nested.element))
-    m = gaps_in_order(nested, law.separation.shape, tread, rail, tread_index, rail_index, top, approach, gap)
+    m = gaps_in_order(nested, law.separation.shape[1:], tread, rail, tread_index, rail_index, top, approach, gap)
     if m == FAR:
         return np.nan, np.nan, FAR
     guess, p, area = np.empty(m, np.bool_), np.empty(m), in_contact.reshape(-1)
@@ -196,8 +196,8 @@ def contact_pressure(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> NDArray[np.float64]:
     """Contact pressure, (nx, ny), Pa; NaN if it cannot be solved. Leaves the state of ``law`` as it is."""
-    pressure = np.empty(law.separation.shape)
-    guess = np.zeros(law.separation.shape, np.bool_)
+    pressure = np.empty(law.separation.shape[1:])
+    guess = np.zeros(law.separation.shape[1:], np.bool_)
     force, _, _ = solve_contact(law, wheel, tread_index, rail_index, approach, compliance, guess, pressure)
     if not np.isfinite(force):
         pressure[:] = np.nan

@@ -7,29 +7,35 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
 from .order_kernels import NestedContacts
 from .panel_kernels import PANEL, factored, inverted, row
-from .profiles import ContactGeometry
 
 MOST_ELEMENTS = 1536
 """Contacts have about half of them, at 500 kN; 12 MB are stored for them, and a quarter of a second is spent."""
 
 
-def nested_contacts(geometry: ContactGeometry, x: NDArray[np.float64], y: NDArray[np.float64]) -> NestedContacts:
-    """Elements of the area ``x`` by ``y``, m, up to MOST_ELEMENTS.
+def nested_contacts(
+    geometry: ContactGeometry,
+    wheel: int,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    separation: NDArray[np.float64],
+) -> NestedContacts:
+    """Elements of the area ``x`` by ``y``, m, under ``wheel`` (0 or 1), up to MOST_ELEMENTS.
 
-    Those at the border of the area are left out: a contact that comes near them is not for this method.
+    ``separation`` (nx, ny), m, is that of the nominal surfaces. Elements at the border of the area are left out: a
+    contact that comes near them is not for this method.
     """
-    separation = geometry.separation(x[:, None], y)
-    i, j = _order(geometry, x, y, separation)
+    i, j = _order(geometry, wheel, separation)
     element = i * len(y) + j
     ordered = separation.ravel()[element]
     left_out = np.delete(separation.ravel(), element).min(initial=np.inf)
-    factor, inverse, punch, own, far = _factor(
-        geometry, float(x[1] - x[0]), float(y[1] - y[0]), tuple(i - len(x) // 2), tuple(j - len(y) // 2)
-    )
+    material = geometry.youngs_modulus, geometry.poissons_ratio
+    spacing = float(x[1] - x[0]), float(y[1] - y[0])
+    factor, inverse, punch, own, far = _factor(*material, *spacing, tuple(i - len(x) // 2), tuple(j - len(y) // 2))
     return NestedContacts(
         element=element,
         x=x[i],
@@ -54,32 +60,30 @@ def no_nested_contacts() -> NestedContacts:
 
 
 def _order(
-    geometry: ContactGeometry,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    separation: NDArray[np.float64],
+    geometry: ContactGeometry, wheel: int, separation: NDArray[np.float64]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Indices i and j of the elements, in whole panels, sorted by the size of the contact that they are at the edge of.
 
     The ellipse of contact is a little slimmer than the ellipses of equal separation (Hertz), which the separation along
     x is scaled to account for.
     """
-    hertz = HertzContact(geometry.wheel_radius, geometry.head.radii[0], geometry.contact_modulus)
+    hertz = HertzContact(geometry.wheel_radius, geometry.pairs[wheel].crown, geometry.contact_modulus)
     slimmer = hertz.axis_ratio**2 * hertz.radius_x / hertz.radius_y
-    at_edge = slimmer * separation[:, len(y) // 2, None] + separation[len(x) // 2]
+    nx, ny = separation.shape
+    at_edge = slimmer * separation[:, ny // 2, None] + separation[nx // 2]
     inner = np.zeros(separation.shape, np.bool_)
     inner[1:-1, 1:-1] = np.isfinite(separation[1:-1, 1:-1])
     count = min(int(inner.sum()), MOST_ELEMENTS) // PANEL * PANEL
     order = np.argsort(np.where(inner, at_edge, np.inf), axis=None, kind="stable")[:count]
-    return order // len(y), order % len(y)
+    return order // ny, order % ny
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=4)
 def _factor(
-    geometry: ContactGeometry, dx: float, dy: float, i: tuple[int, ...], j: tuple[int, ...]
+    youngs_modulus: float, poissons_ratio: float, dx: float, dy: float, i: tuple[int, ...], j: tuple[int, ...]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float, float]:
     di, dj = (np.abs(np.subtract.outer(index, index)) for index in (np.array(i), np.array(j)))
-    table = influence_table(di.max() + 1, dj.max() + 1, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
+    table = influence_table(di.max() + 1, dj.max() + 1, dx, dy, youngs_modulus, poissons_ratio)
     factor = factored(table[di, dj])
     largest = len(i) // 2 // PANEL * PANEL
     inverse = inverted(factor, largest)

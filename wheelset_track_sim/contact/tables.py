@@ -53,42 +53,53 @@ class ForceTables:
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Distinct tread heights within the potential contact area, and where on the treads each stands."""
+    """Distinct separations of wheel and rail within the potential contact area, and where on the treads each stands."""
 
     number: NDArray[np.int32]
-    """Window of each tread position, (2, n_c); 0 is the smooth tread, -1 one that is rough all around."""
-    heights: list[NDArray[np.float64]]
-    """Windows, each (nx, ny), m."""
+    """Window of each tread position, (2, n_c); -1 one that is rough all around."""
+    gaps: list[NDArray[np.float64]]
+    """Separations, tread heights included, each (nx, ny), m."""
+    smooth: int
+    """The first so many windows are those of smooth treads: 1, or 2 where the wheels' profiles differ."""
 
 
 def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], smooth_reach: float) -> Windows:
-    """Distinct windows of ``tread`` (2, n_c, ny) as seen by an area of nominal ``separation`` (nx, ny).
+    """Distinct windows of ``tread`` (2, n_c, ny) as seen by an area of nominal ``separation`` (2, nx, ny).
 
     ``smooth_reach``, m, is the approach that a smooth tread does not exceed within the tables. Where all elements with
     a separation, nominal or true, below it are smooth, the contact is that of a smooth tread. Mirror images along x
-    share a window: the force is the same. So do the two wheels.
+    share a window: the force is the same. So do the two wheels if their nominal surfaces are alike, or mirror images.
     """
-    nx = len(separation)
+    nx = separation.shape[1]
     n_c = tread.shape[1]
-    found: dict[bytes, int] = {}
-    heights = [np.zeros(separation.shape)]
+    found: dict[tuple[int, bytes], int] = {}
+    gaps = [separation[0]]
     number = np.zeros(tread.shape[:2], np.int32)
     offset = np.arange(nx) - nx // 2
+    alike = bool((separation[1] == separation[0]).all())
+    turned = not alike and bool((separation[1] == separation[0][:, ::-1]).all())
+    if not (alike or turned):
+        gaps.append(separation[1])
+    smooth = len(gaps)
     for wheel in range(len(tread)):
+        base = wheel % smooth
+        across = slice(None, None, -1) if wheel == 1 and turned else slice(None)
+        nominal = gaps[base]
+        number[wheel] = base
         rough = np.flatnonzero(tread[wheel].any(axis=1))
         if len(rough) > ROUGH * n_c:
             number[wheel] = -1
             continue
         for position in np.unique((rough[:, None] - offset) % n_c):
-            window = tread[wheel, (position + offset) % n_c]
-            if not window[np.minimum(separation, separation - window) < smooth_reach].any():
+            window = tread[wheel, (position + offset) % n_c, across]
+            if not window[np.minimum(nominal, nominal - window) < smooth_reach].any():
                 continue
-            key = min(window.tobytes(), window[::-1].tobytes())
+            key = base, min(window.tobytes(), window[::-1].tobytes())
             if key not in found:
-                found[key] = len(heights)
-                heights.append(window)
+                found[key] = len(gaps)
+                gaps.append(nominal - window)
             number[wheel, position] = found[key]
-    return Windows(number, heights)
+    return Windows(number, gaps, smooth)
 
 
 def force_path(
@@ -142,34 +153,33 @@ _RECENT = _Recent(1024)
 
 
 def force_tables(
-    heights: list[NDArray[np.float64]],
-    separation: NDArray[np.float64],
+    gaps: list[NDArray[np.float64]],
     influence: NDArray[np.float64],
     element_area: float,
     largest_force: float,
     progress: Progress | None = None,
 ) -> ForceTables:
-    """Curves up to ``largest_force``, N, of windows of tread heights, from the model cache if they are there.
+    """Curves up to ``largest_force``, N, of separations (nx, ny), m, from the model cache if they are there.
 
     Raises ContactError for a curve that is not finite.
     """
 
     def build() -> ForceTables:
         curves = []
-        for number, window in enumerate(heights):
-            curves.append(_RECENT.curve(separation - window, influence, element_area, largest_force))
+        for number, gap in enumerate(gaps):
+            curves.append(_RECENT.curve(gap, influence, element_area, largest_force))
             if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
-                raise ContactError(f"force table {number} of {len(heights)} is not finite and rising")
+                raise ContactError(f"force table {number} of {len(gaps)} is not finite and rising")
             if progress is not None:
-                progress((number + 1) / len(heights))
+                progress((number + 1) / len(gaps))
         first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
         return ForceTables(first, np.concatenate(curves))
 
     contents = hashlib.blake2b(digest_size=16)
-    for array in (separation, influence, *heights):
+    for array in (influence, *gaps):
         contents.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
     key = cache.digest([contents.hexdigest(), element_area, largest_force], path_kernels, active_set_kernels)
     tables = cache.cached("force-tables", ForceTables, key, build, most=STORED)
-    if len(tables.first) != len(heights) + 1:
-        raise ContactError(f"{len(tables.first) - 1} force tables are stored for {len(heights)} geometries")
+    if len(tables.first) != len(gaps) + 1:
+        raise ContactError(f"{len(tables.first) - 1} force tables are stored for {len(gaps)} geometries")
     return tables

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contact.geometry import ContactGeometry
 from ..contact.law import approach_for_force, build_contact_law, solve_patch
-from ..contact.profiles import ContactGeometry
 from ..irregularities import Breakout
 from ..scenario import WHEELS, Scenario
 from ..structures.wheelset import load_wheelset

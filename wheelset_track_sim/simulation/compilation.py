@@ -47,7 +47,7 @@ def compiled_meanwhile() -> Iterator[None]:
 
 def compile_kernels() -> None:
     """Compile the kernels of a run: take a step of a system of two modes, for the compiler looks at types alone."""
-    from ..contact.profiles import ContactGeometry
+    from ..contact.geometry import ContactGeometry
     from ..scenario import load_scenario
     from ..structures.reduced_wheelset import ReducedWheelset
     from ..structures.track_balance import HalfTrack, MovingTrack

@@ -12,9 +12,9 @@ import numpy as np
 
 from .. import __version__
 from ..cache import digest
+from ..contact.geometry import ContactGeometry
 from ..contact.law import build_contact_law
 from ..contact.law_kernels import ContactLaw
-from ..contact.profiles import ContactGeometry
 from ..errors import InputError
 from ..irregularities import Breakout
 from ..scenario import Scenario
