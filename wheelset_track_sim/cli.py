@@ -27,7 +27,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if given[:1] == ["node"]:  # its arguments are those of every ROS node
             return _node(given[1:])
-        options = _parser().parse_args(given)
+        own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
+        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros))
         command: Callable[[argparse.Namespace], int] = options.command
         return command(options)
     except InputError as refusal:
@@ -36,7 +37,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(failure, 1)
     except KeyboardInterrupt:
         # told to end before it had anything to close: for a node that is an orderly end
-        return 0 if given[:1] == ["node"] else _complain("interrupted", 1)
+        return 0 if given[:1] in (["node"], ["replay"]) else _complain("interrupted", 1)
+
+
+def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Our arguments, and those of ROS, which stand between ``--ros-args`` and ``--`` or the end."""
+    ours: list[str] = []
+    of_ros: list[str] = []
+    inside = False
+    for argument in given:
+        inside = inside or argument == "--ros-args"
+        (of_ros if inside else ours).append(argument)
+        inside = inside and argument != "--"
+    return ours, of_ros
 
 
 def _complain(reason: object, status: int) -> int:
@@ -83,6 +96,23 @@ def _parser() -> argparse.ArgumentParser:
     )
     report.set_defaults(command=_report)
 
+    replay = commands.add_parser(
+        "replay",
+        help="play a bag on the topics on which it was recorded",
+        usage="%(prog)s [OPTION ...] BAG [--ros-args -p NAME:=VALUE -r FROM:=TO ...]",
+        description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter.",
+    )
+    replay.add_argument("bag", type=Path, nargs="?", metavar="BAG", help="an .mcap file or a bag folder")
+    replay.add_argument("--rate", type=float, metavar="R", help="times as fast (default: 1; 0: as fast as possible)")
+    replay.add_argument("--loop", action="store_true", default=None, help="begin again at the end")
+    replay.add_argument("--start-offset", type=float, metavar="S", help="begin that far behind the first message")
+    replay.add_argument("--duration", type=float, metavar="S", help="end after that time in the bag")
+    replay.add_argument("--stamps", metavar="original|now", help="stamps as recorded (default), or current ones")
+    replay.add_argument("--publish-clock", action="store_true", default=None, help="tell the time on /clock")
+    replay.add_argument("--prefix", metavar="NAME", help="put topics below this name, ~ is the node's own")
+    replay.add_argument("--start-paused", action="store_true", default=None, help="wait to be told to go on")
+    replay.set_defaults(command=_replay)
+
     demo = commands.add_parser("demo", help="stream, record and report the paper's Section 5.1 through the ROS 2 node")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
     demo.set_defaults(command=_demo)
@@ -110,6 +140,13 @@ def _report(options: argparse.Namespace) -> int:
 
     settings = None if options.threshold is None else ImpactSettings(options.threshold)
     return report(options.bag, options.out, settings)
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from .commands.replay import replay
+
+    names = ("rate", "loop", "start_offset", "duration", "stamps", "publish_clock", "prefix", "start_paused")
+    return replay(options.bag, options.ros_arguments, **{name: getattr(options, name) for name in names})
 
 
 def _demo(options: argparse.Namespace) -> int:

@@ -36,6 +36,11 @@ def fixed(description: str) -> ParameterDescriptor:
     return ParameterDescriptor(description=description, read_only=True)
 
 
+def flag(description: str) -> ParameterDescriptor:
+    """Descriptor of what is so or not, at any time."""
+    return ParameterDescriptor(description=description)
+
+
 def number(quantity: Quantity, *, read_only: bool = False) -> ParameterDescriptor:
     """Descriptor of a quantity."""
     unit = f", {quantity.unit}" if quantity.unit else ""

@@ -86,6 +86,11 @@ class Pacer:
         """Return when ``simulated`` is due, when ``wake`` is set, or earlier."""
         self._clock.sleep(self._due(simulated), wake)
 
+    def now(self) -> float:
+        """Simulated time that is due now, s; without pacing that of the start."""
+        started, first = self._origin
+        return first + (self._clock.now() - started) * self._factor
+
     def _begin(self) -> None:
         self._epoch = self._clock.epoch
         self._origin = self._clock.now(), self._reached

@@ -1,0 +1,209 @@
+"""The replay node: publishes what a bag holds as the node did that was recorded."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.duration import Duration
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from ..errors import InputError, WheelsetTrackError
+from ..recording.bag_writer import PREFIX
+from ..replay.bag import RecordedBag
+from ..replay.chunks import Played
+from ..replay.player import Player
+from ..replay.selection import Selection
+from ..replay.stamps import Restamping, stamp_of, with_stamp
+from ..replay.topics import CLOCK, Topic
+from .clock import NodeClock
+from .replay_parameters import ReplayParameters
+from .replay_services import ReplayServices
+
+NAME = PREFIX.strip("/")
+FAREWELL = Duration(seconds=1)
+"""Bound on the wait for subscribers to have what was published last."""
+
+
+class ReplayNode(Node):  # type: ignore[misc]
+    """A bag that is played: the same topics, types, qualities of service and bytes as of the node that was recorded.
+
+    Parameters are in ``replay_parameters``, services in ``replay_services``.
+    """
+
+    def __init__(self, end: Callable[[Exception | None], None], given: Mapping[str, Any], name: str = NAME) -> None:
+        """``given`` are parameters that stand above those of ROS; ``end`` is called when the bag is over.
+
+        Raises InputError for parameters it cannot use, RecordingError for a bag.
+        """
+        super().__init__(name, parameter_overrides=[Parameter(key, value=value) for key, value in given.items()])
+        self._end = end
+        self.parameters = ReplayParameters(self)
+        self._bag = RecordedBag(Path(self.parameters["bag"]).expanduser())
+        self._named = 0  # damages that have been told
+        topics = self._playable()
+        self.selection = Selection(self._bag, topics)
+        self._time = NodeClock(self, publish=self.parameters["publish_clock"])
+        self._topics = topics
+        self._outlets = {topic.name: self._publisher(topic) for topic in topics.values()}
+        self._restamping = Restamping() if self.parameters["stamps"] == "now" else None
+        self._origin_ns = 0
+        playback = self.parameters.playback()
+        self.player = Player(self.selection, playback, self._deliver, self._moved, self._on_end, self._time)
+        if self.parameters["position"] != playback.start_offset:
+            self.seek(self.parameters["position"])
+        self._interrupted = False
+        self._thread = threading.Thread(target=self._play, name="replay")
+        ReplayServices(self)
+        self.add_on_set_parameters_callback(self._on_parameters)
+
+    def begin(self) -> None:
+        """Play, as soon as there is a time to be played at."""
+        self._thread.start()
+
+    def finish(self) -> None:
+        """End the replay where it is."""
+        self.player.stop()
+        self._end(None)
+
+    def close(self) -> None:
+        """Stop, from outside of all callbacks."""
+        self._interrupted = True
+        self.player.stop()
+        self._time.wake()
+        if self._thread.ident is not None:
+            self._thread.join()
+        self._bag.close()
+
+    def seek(self, position: float) -> Future[None]:
+        """Go on from a time in the bag, s; raises InputError for one that is not played."""
+        return self.player.seek(self.selection.start_ns + round(position * 1e9))
+
+    def position(self) -> float:
+        """Time in the bag that has been reached, s."""
+        return (self.player.position_ns - self.selection.start_ns) * 1e-9
+
+    def _playable(self) -> dict[str, Topic]:
+        """Topics that can be published here; the others are named. Raises InputError if there are none."""
+        found: dict[str, Topic] = {}
+        left_out = []
+        for name, topic in self._bag.topics.items():
+            reason = _hindrance(topic)
+            if name == CLOCK and self.parameters["publish_clock"]:
+                reason = "this node tells the time"
+            if reason:
+                left_out.append(f"{name}: {reason}")
+            else:
+                found[name] = topic
+        for line in left_out:
+            self.get_logger().warning(f"left out: {line}")
+        if not found:
+            raise InputError(f"{self._bag.path} holds no topic that can be published here ({'; '.join(left_out)})")
+        return found
+
+    def _publisher(self, topic: Topic) -> Any:
+        quality = QoSProfile(
+            history=HistoryPolicy.KEEP_LAST,
+            depth=topic.depth,
+            reliability=ReliabilityPolicy.RELIABLE if topic.reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE,
+        )
+        name = self.parameters.renamed(topic, self._bag.topics.values())
+        try:
+            return self.create_publisher(_message_type(topic.kind), name, quality)
+        except InvalidTopicNameException as refusal:
+            raise InputError(f"prefix = {self.parameters['prefix']}: {' '.join(str(refusal).split())}") from None
+
+    def _play(self) -> None:
+        if self._time.now_ns() == 0:
+            self.get_logger().info(f"waiting for the time on {CLOCK}")
+        self._time.wait_for_time(lambda: self._interrupted)
+        self._time.warn_of_others()
+        self._origin_ns = self._time.now_ns()
+        length = (self.selection.end_ns - self.selection.start_ns) * 1e-9
+        self.get_logger().info(
+            f"playing {self._bag.path}, {len(self._topics)} topics, {length:.3f} s"
+            + (", paused" if self.player.paused else "")
+        )
+        self.player.run()
+
+    def _moved(self, begin_ns: int, played_ns: int) -> None:
+        """In the player's thread: another part of the bag follows; late subscribers are told what holds there."""
+        self._tell_damages()
+        if self._restamping is not None:
+            self._restamping.restart()
+        for message in self.selection.held_at(begin_ns):
+            cdr = message.cdr
+            if self._restamping is not None and self._topics[message.topic].stamped:
+                cdr = with_stamp(cdr, self._origin_ns + played_ns)
+            self._outlets[message.topic].publish(cdr)
+
+    def _deliver(self, item: Played, played_ns: int) -> None:
+        """In the player's thread: publish a message."""
+        message, topic = item.message, self._topics[item.message.topic]
+        cdr, due_ns = message.cdr, message.time_ns
+        if self._restamping is not None:
+            due_ns = self._origin_ns + played_ns
+            if topic.stamped:
+                cdr = self._restamping.apply("" if topic.ours else topic.name, cdr, due_ns)
+        if self.parameters["publish_clock"] and self.selection.leading in (None, message.topic):
+            span = self.selection.span_ns(message)
+            self._time.tell(max(due_ns, stamp_of(cdr) + span) if span else due_ns)
+        self._outlets[message.topic].publish(cdr)
+        self._tell_damages()
+
+    def _tell_damages(self) -> None:
+        for damage in self._bag.damages[self._named :]:
+            self.get_logger().warning(f"damaged: {damage}")
+        self._named = len(self._bag.damages)
+
+    def _on_end(self, failure: Exception | None) -> None:
+        """In the player's thread: the bag is over, or cannot be played on."""
+        for publisher in self._outlets.values():
+            publisher.wait_for_all_acked(FAREWELL)
+        kept = self.player.punctuality
+        self.get_logger().info(f"played {kept.messages} messages, at most {1e3 * kept.worst:.1f} ms late")
+        self._end(failure)
+
+    def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        changes = {item.name: item.value for item in parameters}
+        try:
+            if changes.get("use_sim_time", self._time.following) != self._time.following:
+                raise InputError("use_sim_time cannot change while a bag is played: give it at the start")
+            told = []
+            if "loop" in changes:
+                self.player.loop = changes["loop"]
+            if "rate" in changes:
+                told.append(self.player.set_rate(changes["rate"]))
+            if "position" in changes:
+                told.append(self.seek(changes["position"]))
+            for future in told:
+                future.result()
+        except WheelsetTrackError as refusal:
+            return SetParametersResult(successful=False, reason=str(refusal))
+        return SetParametersResult(successful=True)
+
+
+def _hindrance(topic: Topic) -> str:
+    """Why a topic cannot be published here; empty if it can."""
+    if topic.outdated:
+        return f"{topic.kind} has been changed since it was recorded"
+    try:
+        _message_type(topic.kind)
+    except (ImportError, AttributeError, ValueError):
+        return f"{topic.kind} is not installed"
+    return ""
+
+
+def _message_type(kind: str) -> Any:
+    """Class of a message by the full name of its type."""
+    package, _, name = kind.partition("/msg/")
+    return getattr(import_module(f"{package}.msg"), name)

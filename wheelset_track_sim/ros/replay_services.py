@@ -1,0 +1,100 @@
+"""Services of the replay node: those of the node that make sense for a bag, and those of ``ros2 bag play``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from std_srvs.srv import Trigger
+
+from ..errors import WheelsetTrackError
+from .serving import Answer, served
+
+if TYPE_CHECKING:
+    from .replay import ReplayNode
+
+ROSBAG2_PLAYER = "/rosbag2_player"
+"""Name of the node of ``ros2 bag play``, below which tools look for its services."""
+
+
+class ReplayServices:
+    """Servers of one node, which answer when what they are asked for is done.
+
+    Those of ``ros2 bag play`` are there where its interfaces are installed: PyPI does not have them.
+    """
+
+    def __init__(self, node: ReplayNode) -> None:
+        """For ``node``, as long as it lives."""
+        self._node, self._log = node, node.get_logger()
+        self._group = MutuallyExclusiveCallbackGroup()
+        player = node.player
+        for name, action in (
+            ("pause", player.pause),
+            ("resume", player.resume),
+            ("toggle_paused", player.toggle),
+            ("play_next", player.step),
+            ("reset", player.restart),
+        ):
+            self._serve(name, partial(self._where, action))
+        self._serve("stop", self._stop)
+        try:
+            interfaces = import_module("rosbag2_interfaces.srv")
+        except ModuleNotFoundError:
+            return
+        self._serve_as_rosbag2(interfaces)
+
+    def _serve(self, name: str, answer: Callable[[Any], Answer]) -> None:
+        callback = partial(served, self._log, answer)
+        self._node.create_service(Trigger, f"~/{name}", callback, callback_group=self._group)
+
+    def _serve_as_rosbag2(self, interfaces: Any) -> None:
+        player = self._node.player
+        for kind, name, answer in (
+            ("Pause", "pause", lambda _: _done(player.pause())),
+            ("Resume", "resume", lambda _: _done(player.resume())),
+            ("TogglePaused", "toggle_paused", lambda _: _done(player.toggle())),
+            ("IsPaused", "is_paused", lambda _: {"paused": player.paused}),
+            ("PlayNext", "play_next", lambda _: {"success": player.burst(1).result() == 1}),
+            ("Burst", "burst", lambda request: {"actually_burst": player.burst(request.num_messages).result()}),
+            ("Seek", "seek", lambda request: _done(player.seek(_ns(request.time)), success=True)),
+            ("SetRate", "set_rate", lambda request: _done(player.set_rate(request.rate), success=True)),
+            ("GetRate", "get_rate", lambda _: {"rate": player.rate}),
+            ("Stop", "stop", self._stop),
+        ):
+            self._node.create_service(
+                getattr(interfaces, kind),
+                f"{ROSBAG2_PLAYER}/{name}",
+                partial(self._filled, answer),
+                callback_group=self._group,
+            )
+
+    def _where(self, action: Callable[[], Future[Any]], request: Any) -> Answer:
+        action().result()
+        stands = "paused" if self._node.player.paused else "running"
+        return {"message": f"{stands} at {self._node.position():.3f} s"}
+
+    def _stop(self, request: Any) -> Answer:
+        self._node.finish()
+        return {}
+
+    def _filled(self, answer: Callable[[Any], Answer], request: Any, response: Any) -> Any:
+        """``response`` with an answer; as it is, which says that nothing was done, if it is refused."""
+        try:
+            for name, value in answer(request).items():
+                setattr(response, name, value)
+        except WheelsetTrackError as refusal:
+            self._log.warning(str(refusal))
+        return response
+
+
+def _done(future: Future[Any], **fields: Any) -> Answer:
+    future.result()
+    return fields
+
+
+def _ns(time: Any) -> int:
+    return int(time.sec) * 10**9 + int(time.nanosec)
