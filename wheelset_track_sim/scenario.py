@@ -13,6 +13,7 @@ from typing import Any, Literal
 from .cache import digest
 from .errors import InputError
 from .irregularities import Breakout
+from .loads import Loads
 from .schema import Quantity, check, quantity, read
 from .shipped import load_yaml
 from .yaml12 import dump, parse
@@ -59,6 +60,8 @@ class Scenario:
     track: Any = "ballasted_60e1"
     """Name of a shipped track, path of a file, or a mapping."""
     irregularities: tuple[Breakout, ...] = ()
+    loads: Loads = field(default_factory=Loads)
+    """What is superposed on the axle's stress beside the contact forces; nothing by default."""
     output: Output = field(default_factory=Output)
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
@@ -120,6 +123,7 @@ class Scenario:
         plain = dataclasses.asdict(self)
         plain["irregularities"] = [{"type": kind.type, **dataclasses.asdict(kind)} for kind in self.irregularities]
         plain["speed_plan"] = [dataclasses.asdict(point) for point in self.speed_plan]
+        plain["loads"] = self.loads.to_mapping()
         plain["output"] = {"stress_nodes": list(self.output.stress_nodes)}
         return plain
 

@@ -137,7 +137,9 @@ def test_the_policy_lets_the_node_publish_and_others_watch(kinds):
     assert topics <= allowed(NODE, "topics", "publish")
     for watcher in ("operator", "observer"):
         assert topics <= allowed(f"{NODE}/{watcher}", "topics", "subscribe")
-    assert not allowed(f"{NODE}/observer", "topics", "publish") & {"~/cmd/speed", "~/cmd/tread_damage"}
+    commands = {"~/cmd/speed", "~/cmd/torque", "~/cmd/tread_damage"}
+    assert commands <= allowed(f"{NODE}/operator", "topics", "publish")
+    assert not allowed(f"{NODE}/observer", "topics", "publish") & commands
     changing = {"~/set_parameters", "~/change_state", "~/set_tread_damage", "~/start_recording"}
     assert changing <= allowed(NODE, "services", "reply")
     assert changing <= allowed(f"{NODE}/operator", "services", "request")

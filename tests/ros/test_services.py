@@ -16,7 +16,8 @@ pytest.importorskip("wheelset_track_msgs")
 
 from wheelset_track_sim.recording import read
 from wheelset_track_sim.recording.damage import MOST
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario, scenario_from
+from wheelset_track_sim.yaml12 import parse
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -166,6 +167,24 @@ def test_commands_by_topic_lead_to_the_same_revisions(start, client, forces, sta
     assert_gap_free(forces)
     end(node)
     assert "~/cmd/speed is refused: speed = nan is not finite" in node.errors
+
+
+def test_torque_by_topic_turns_the_axle(start, client, forces, states):
+    from std_msgs.msg import Float64
+
+    node = start(scenario="undamaged")
+    stresses = client.collect("axle_stress/a1", "AxleStress")
+    torque = client.node.create_publisher(Float64, f"{client.name}/cmd/torque", 1)
+    client.until(lambda: forces and states and stresses and torque.get_subscription_count())
+    torque.publish(Float64(data=math.nan))
+    torque.publish(Float64(data=4000.0))
+    client.until(lambda: states[-1].revision == 1)
+    assert scenario_from(parse(states[-1].scenario, "the state")).loads.torque == 4000.0
+    client.until(lambda: stresses[-1].xy[-1] > 8 * 4000.0 / (math.pi * 0.180**3))
+    assert all(not any(chunk.xy) for chunk in stresses if chunk.revision == 0)
+    assert_gap_free(forces)
+    end(node)
+    assert "~/cmd/torque is refused: torque = nan is not finite" in node.errors
 
 
 def test_refusals_say_quantity_value_and_limit_and_change_nothing(start, client, services, forces, states):

@@ -57,6 +57,7 @@ def published_case(scenario: Scenario) -> LoadCase | None:
         math.isclose(scenario.speed, SPEED, rel_tol=1e-6)
         and math.isclose(scenario.axle_load, AXLE_LOAD, rel_tol=1e-6)
         and not scenario.speed_plan
+        and scenario.loads.none
         and (scenario.wheelset, scenario.track) == ("x40", "ballasted_60e1")
     )
     return next((case for case in CASES if paper and case.irregularities == scenario.irregularities), None)

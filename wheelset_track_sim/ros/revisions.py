@@ -35,7 +35,7 @@ class Revisions:
     """
 
     def __init__(self, scenario: Scenario, follow: Callable[[Scenario], None], progress: Progress) -> None:
-        """``follow`` is told the scenario after each change by ``damage`` and ``speed``; it may not change it.
+        """``follow`` is told the scenario after each change that is no parameter's; it may not change it.
 
         What ``progress`` raises breaks off the change at hand.
         """
@@ -95,6 +95,16 @@ class Revisions:
         def change(scenario: Scenario) -> Scenario:
             limited = scenario.acceleration if acceleration == 0 else acceleration
             return dataclasses.replace(scenario, speed=speed, acceleration=limited, speed_plan=())
+
+        return self._outcome(change)
+
+    def torque(self, torque: float) -> Outcome:
+        """Approach a torque of drive or brake, N m. Ends a torque plan."""
+
+        def change(scenario: Scenario) -> Scenario:
+            return dataclasses.replace(
+                scenario, loads=dataclasses.replace(scenario.loads, torque=torque, torque_plan=())
+            )
 
         return self._outcome(change)
 

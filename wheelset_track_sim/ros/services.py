@@ -53,6 +53,7 @@ class Services:
             node.create_service(kind, f"~/{name}", partial(served, log, answer), callback_group=group)
         for message, name, take in (
             (Float64, "speed", lambda message: node.revisions.speed(message.data)),
+            (Float64, "torque", lambda message: node.revisions.torque(message.data)),
             (TreadDamageArray, "tread_damage", lambda message: node.revisions.damage(message.damage)),
         ):
             topic = f"~/cmd/{name}"

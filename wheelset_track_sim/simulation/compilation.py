@@ -83,6 +83,7 @@ def compile_kernels() -> None:
     )
     models = Models(
         wheelset=wheelset,
+        reduced=two_modes,
         track=track,
         dynamics=causal_model(two_modes, MovingTrack(half, half), nodes, scenario.at_lag_zero),
         geometry=ContactGeometry(wheel_radius=two_modes.rolling_radius),

@@ -18,6 +18,7 @@ from ..contact.law_kernels import ContactLaw
 from ..errors import InputError
 from ..irregularities import Breakout
 from ..scenario import Scenario
+from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track, load_track
 from ..structures.track_balance import moving_track
 from ..structures.track_ring import MAX_FREQUENCY
@@ -36,6 +37,7 @@ class Models:
     """Everything that is built before a run and that changes of tread damage and speed leave as it is."""
 
     wheelset: Wheelset
+    reduced: ReducedWheelset
     track: Track
     dynamics: DynamicsModel
     geometry: ContactGeometry
@@ -113,6 +115,7 @@ def _models(scenario: Scenario, progress: Progress | None, tables: bool | Litera
         dynamics = causal_model(kept, running, nodes, lag_zero)
     return Models(
         wheelset=wheelset,
+        reduced=reduced,
         track=track,
         dynamics=dynamics,
         geometry=ContactGeometry(wheel_radius=reduced.rolling_radius),

@@ -21,6 +21,7 @@ from .finite import require_finite
 from .loading import Loading
 from .models import Models, load_models
 from .speed import Course, Stretch
+from .superposition import Superposition, followed, superposition
 
 Progress = Callable[[str, float], None]
 
@@ -28,7 +29,7 @@ SETTLING = 1.0
 """Time of smooth running before step 0, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the difference
 between standing and running, which is itself below 1 % of the static load."""
 
-CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities")
+CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities", "loads")
 """Scenario keys that may change during a run; the models do not depend on them."""
 
 REMEMBERED = 10_000
@@ -55,6 +56,7 @@ class Simulator:
         begins that does not begin with step 0, with the speed that is run at and the one that is approached.
         """
         self._models: Models = models or load_models(scenario, progress)
+        self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
         start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
         settling = round(SETTLING / (scenario.step_length / start.speed))
@@ -159,14 +161,16 @@ class Simulator:
 
         It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
         changes is in the contact patch; after one turn of the wheel at the latest. From there on a changed load rises
-        (``loading``), and there the ramp to a changed ``speed`` begins, which then ends the speed plan for good;
-        without the plan in ``scenario`` it ends at an unchanged ``speed``, too.
+        (``loading``), and there the ramps to a changed ``speed`` and torque begin, which then end their plans for good;
+        without the plan in ``scenario`` it ends at an unchanged value, too.
         """
         newest = self._changes.newest
         current = newest.scenario
         for field in dataclasses.fields(Scenario):
             if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
+        current.loads.check_change(scenario.loads)
+        self._superposed(scenario)  # refuses what cannot be, and is quick afterwards
         if scenario.speed_plan not in ((), self._plan):
             raise InputError(
                 "speed_plan cannot change during a run: give speed, which ends the plan, or start a new run"
@@ -196,12 +200,15 @@ class Simulator:
         end = self._changes.claim(min(first + steps, self._course.border(first)))
         ahead = [stretch.speed for stretch in self._course.ahead(first)[:AHEAD]]
         rows = np.arange(first - on.step, end - on.step, dtype=np.float64)
-        self._preload = self._loading.at(on.time + rows * (scenario.step_length / on.speed))
+        times = on.time + rows * (scenario.step_length / on.speed)
+        self._preload = self._loading.at(times)
         forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
         require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
         stresses[self._models.dynamics.stress_rows] = stress.T
+        if self._superposition is not None:
+            stresses += self._superposition.stresses(times[: len(forces)])
         return SampleBlock(
             first_step=first,
             time=self._course.time_of(first),
@@ -220,6 +227,11 @@ class Simulator:
         displaced = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
         return displaced + approach_for_force(smooth, 0, 0, 0, load)
 
+    def _superposed(self, scenario: Scenario) -> Superposition | None:
+        """What the loads of a scenario superpose; raises InputError."""
+        models = self._models
+        return superposition(scenario.loads, models.wheelset, models.reduced, scenario.output.stress_nodes)
+
     def _install_due(self) -> None:
         """Conditions that are due; course and loading from here on if they are others."""
         before, time = self.in_force, self.time
@@ -230,6 +242,8 @@ class Simulator:
                 set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed
                 self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)
             self._loading = self._loading.changed(time, condition.preload)
+            if now.loads != before.loads:
+                self._superposition = followed(self._superposition, self._superposed(now), time, now.loads)
             before = now
             if condition.revision.number > self.history[-1].revision.number:
                 applied = Applied(condition.revision, now, self._course.at(self.next_step).set_point)

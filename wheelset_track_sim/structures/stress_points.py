@@ -125,11 +125,18 @@ def on_axle(wheelset: Wheelset, mesh: SectionMesh, y: float) -> tuple[NDArray[np
 def around_axle(n: int, angle: float) -> Real:
     """Matrix (6, 6) from stress amplitudes of harmonic ``n`` to components in x, y, z at ``angle`` rad from the top.
 
-    There theta is pi - angle: r points to (sin, 0, cos) of the angle, theta to (-cos, 0, sin).
+    There theta is pi - angle.
     """
     sign = (-1.0) ** n
+    return in_axes(angle, sign * cos(n * angle), -sign * sin(n * angle))
+
+
+def in_axes(angle: float, even: float, odd: float) -> Real:
+    """Matrix (6, 6) from polar components, the first four times ``even``, the others ``odd``, to those in x, y, z.
+
+    At ``angle`` rad from the top r points to (sin, 0, cos) of the angle, theta to (-cos, 0, sin).
+    """
     c, s = cos(angle), sin(angle)
-    even, odd = sign * cos(n * angle), -sign * sin(n * angle)
     r, y, t = np.array([s, 0.0, c]), np.array([0.0, 1.0, 0.0]), np.array([-c, 0.0, s])
     amplitudes = ((r, r, even), (y, y, even), (t, t, even), (r, y, even), (r, t, odd), (y, t, odd))
     matrix = np.zeros((6, 6))
