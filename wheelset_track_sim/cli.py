@@ -111,6 +111,14 @@ def _parser() -> argparse.ArgumentParser:
     replay.add_argument("--publish-clock", action="store_true", default=None, help="tell the time on /clock")
     replay.add_argument("--prefix", metavar="NAME", help="put topics below this name, ~ is the node's own")
     replay.add_argument("--start-paused", action="store_true", default=None, help="wait to be told to go on")
+    replay.add_argument(
+        "--simulate-again", action="store_true", help="do not play: simulate it from what went in, and compare"
+    )
+    replay.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="what would have been, wheel_1.damage.h=0.001"
+    )
+    replay.add_argument("--out", type=Path, metavar="FILE.mcap", help="write what was simulated again as a bag")
+    replay.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
     replay.set_defaults(command=_replay)
 
     demo = commands.add_parser("demo", help="stream, record and report the paper's Section 5.1 through the ROS 2 node")
@@ -143,10 +151,26 @@ def _report(options: argparse.Namespace) -> int:
 
 
 def _replay(options: argparse.Namespace) -> int:
+    names = ("rate", "loop", "start_offset", "duration", "stamps", "publish_clock", "prefix", "start_paused")
+    if options.simulate_again:
+        return _again(options, [name for name in names if getattr(options, name) is not None])
+    for name in ("set", "out", "json"):
+        if getattr(options, name):
+            raise InputError(f"--{name} is of a run that is simulated: give --simulate-again with it")
     from .commands.replay import replay
 
-    names = ("rate", "loop", "start_offset", "duration", "stamps", "publish_clock", "prefix", "start_paused")
     return replay(options.bag, options.ros_arguments, **{name: getattr(options, name) for name in names})
+
+
+def _again(options: argparse.Namespace, of_replay: Sequence[str]) -> int:
+    from .commands.again import again
+
+    if options.bag is None:
+        raise InputError("BAG is missing: give the bag to simulate again")
+    if of_replay or options.ros_arguments:
+        name = f"--{of_replay[0].replace('_', '-')}" if of_replay else "--ros-args"
+        raise InputError(f"{name} is of a bag that is played: leave it out with --simulate-again")
+    return again(options.bag, options.set, options.out, json=options.json)
 
 
 def _demo(options: argparse.Namespace) -> int:

@@ -215,3 +215,16 @@ def test_bags_that_do_not_say_what_went_in_are_refused(bag: Path, tmp_path: Path
         writer.write(next(Bag(bag).blocks()))
     with pytest.raises(RecordingError, match=r"revision 0 .*speed = 'fast'"):
         simulate_again(tmp_path / "broken.mcap")
+
+
+def test_a_damaged_bag_is_compared_as_far_as_it_can_be_read(bag: Path, tmp_path: Path) -> None:
+    data = bytearray(bag.read_bytes())
+    for place in range(len(data) // 2, len(data) // 2 + 64):
+        data[place] ^= 0xFF
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(data)
+    found = simulate_again(broken, out=tmp_path / "whole.mcap")
+    assert found.lost
+    assert 0 < found.samples < 3 * TURN
+    assert found.identical == (not found.unknown)
+    assert len(read(tmp_path / "whole.mcap")) >= found.samples  # what is missing in between is simulated all the same

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import RecordingError
 from ..recording import Bag
+from ..recording.losses import Loss
 from ..recording.origin import model_digests
 from ..recording.run_info import versions
 from ..recording.run_writer import RunWriter
@@ -51,6 +52,10 @@ class Again:
     """Versions and models that differ: what the bag says, what is here."""
     duration: float
     """Of the recorded samples, s."""
+    unknown: tuple[int, ...]
+    """Revisions that the run had and the bag does not hold."""
+    lost: tuple[Loss, ...]
+    """What of the bag is damaged or missing; the rest is compared."""
 
     @property
     def identical(self) -> bool:
@@ -63,11 +68,13 @@ def simulate_again(
 ) -> Again:
     """Simulate the run of a bag again from what went in, and compare; with ``settings``, what would have been.
 
-    ``out`` is a bag to write of the new run, over the steps that were recorded. Memory does not grow with the run.
+    ``out`` is a bag to write of the new run, over the steps that were recorded. A damaged bag is compared as far as it
+    can be read. Memory does not grow with the run.
     Raises RecordingError if the bag cannot be read or does not say what went in, InputError for a setting that cannot
     be made.
     """
-    bag = Bag(Path(path))
+    lost: list[Loss] = []
+    bag = Bag(Path(path), lost.append)
     inputs = recorded(bag)
     scenarios = with_settings([change.scenario for change in inputs.changes], settings)
     changes = [change._replace(scenario=new) for change, new in zip(inputs.changes, scenarios, strict=True)]
@@ -78,7 +85,9 @@ def simulate_again(
         for block in bag.blocks():
             if block.first_step < player.simulator.next_step:
                 continue  # before all that the bag knows of its run
-            player.advance_to(block.first_step)
+            for missing in player.up_to(block.first_step):
+                if writer is not None:
+                    writer.push(missing, summarise(missing))
             if comparison is None:
                 comparison = _Comparison(block, player.simulator)
                 if out is not None:
@@ -108,6 +117,8 @@ def simulate_again(
         after=comparison.after,
         origin=_other(bag.info.versions, versions()) | _other(bag.info.models, model_digests(player.simulator)),
         duration=comparison.duration,
+        unknown=tuple(sorted(comparison.revisions.difference(change.revision for change in changes))),
+        lost=tuple(lost),
     )
 
 
@@ -128,9 +139,9 @@ class _Player:
                 self.moved.append((change.revision, change.step, found.step))
         return self.simulator.advance(steps)
 
-    def advance_to(self, step: int) -> None:
+    def up_to(self, step: int) -> Iterator[SampleBlock]:
         while (left := step - self.simulator.next_step) > 0:
-            self.advance(min(left, CHUNK))
+            yield self.advance(min(left, CHUNK))
 
 
 class _Comparison:
@@ -141,6 +152,7 @@ class _Comparison:
         self.force = Differences(WHEELS, AGREEMENT * simulator.scenario.wheel_load)
         self.stress = Differences(names, AGREEMENT * float(np.abs(first.stresses).max(initial=0.0)))
         self.duration = 0.0
+        self.revisions: set[int] = set()
         self._before: Summary | None = None
         self._after: Summary | None = None
 
@@ -167,6 +179,7 @@ class _Comparison:
         if done == 0:
             self._before = _added(self._before, summarise(block))
             self.duration += len(block) * block.step_period
+            self.revisions.add(block.revision)
         summary = summarise(simulated)
         self._after = _added(self._after, summary)
         return summary

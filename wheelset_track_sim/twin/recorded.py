@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import NamedTuple
 
 from ..errors import InputError, RecordingError
@@ -31,15 +30,6 @@ class Recorded:
     start: Stretch | None
     """None if the run can be simulated from step 0 on. Otherwise what went in before is unknown, and this is the first
     step that is known: a simulation begins there in steady running, which the run was not in."""
-
-    @property
-    def missing(self) -> tuple[int, ...]:
-        """Revisions that the bag does not know, between those that it does."""
-        return tuple(
-            number
-            for before, after in pairwise(change.revision for change in self.changes)
-            for number in range(before + 1, after)
-        )
 
 
 def recorded(bag: Bag) -> Recorded:
