@@ -158,7 +158,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
 def _take_in(data: dict[str, Any]) -> None:
     """Put the content of files of the user's in the place of their names, so that a scenario needs no other file."""
     for model in ("wheelset", "track"):
-        if isinstance(data.get(model), str) and Path(data[model]).suffix in (".yaml", ".yml"):
+        if isinstance(data.get(model), str) and Path(data[model]).suffix in (".yaml", ".yml", ".npz"):
             data[model] = load_yaml(f"{model}s", data[model])
 
 

@@ -5,6 +5,10 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .errors import InputError
 from .schema import unknown
@@ -20,15 +24,17 @@ def names(kind: str) -> list[str]:
 
 
 def load_yaml(kind: str, name_or_path: str | Path) -> Any:
-    """Content of a shipped YAML file (by name) or of the user's (by path).
+    """Content of a shipped YAML file (by name) or of the user's (by path), which may be an ``.npz`` of the same keys.
 
-    Raises InputError if there is no such file, or if it is not YAML.
+    Raises InputError if there is no such file, or if it is not what its name says.
     """
     shipped = _folder(kind) / f"{name_or_path}.yaml"
     path = Path(name_or_path)
     source: Traversable | Path
     if str(name_or_path) in names(kind):
         source = shipped
+    elif path.suffix == ".npz":
+        return _arrays(path)
     elif path.suffix in {".yaml", ".yml"} or path.exists():
         source = path
     else:
@@ -39,6 +45,43 @@ def load_yaml(kind: str, name_or_path: str | Path) -> Any:
         known = ", ".join(names(kind))
         raise InputError(f"{source} cannot be read ({reason}): give a YAML file or one of {known}") from None
     return parse(text, str(source))
+
+
+def _arrays(path: Path) -> dict[str, Any]:
+    """Mapping from the arrays of a file: dots in their names lead into mappings, whole numbers into lists.
+
+    Arrays of numbers become text, a row a line: YAML holds that as quickly as it is read here.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in sorted(stored.files)}
+    except (OSError, ValueError, EOFError, BadZipFile) as reason:
+        raise InputError(f"{path} cannot be read ({reason}): give a file of numpy.savez") from None
+    content: dict[str, Any] = {}
+    for name, array in arrays.items():
+        *parts, last = name.split(".")
+        place = content
+        for part in parts:
+            place = place.setdefault(part, {})
+        table = array.ndim > 0 and array.dtype.kind in "fiu"
+        place[last] = table_text(array) if table else array.tolist()
+    plain = _with_lists(content)
+    return plain if isinstance(plain, dict) else {}
+
+
+def table_text(array: NDArray[Any]) -> str:
+    """Numbers (n,) or (n, m) as text, a row a line; read again they are the same, bit by bit."""
+    rows = np.atleast_2d(array.T).T if array.ndim == 1 else array
+    return "".join(" ".join(map(repr, row)) + "\n" for row in np.asarray(rows, dtype=np.float64).tolist())
+
+
+def _with_lists(content: Any) -> Any:
+    if not isinstance(content, dict):
+        return content
+    plain = {key: _with_lists(item) for key, item in content.items()}
+    if plain and all(key.isdigit() for key in plain):
+        return [plain[key] for key in sorted(plain, key=int)]
+    return plain
 
 
 def singular(kind: str) -> str:

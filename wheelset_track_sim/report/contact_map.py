@@ -12,7 +12,7 @@ from ..contact.geometry import ContactGeometry
 from ..contact.law import approach_for_force, build_contact_law, solve_patch
 from ..irregularities import Breakout
 from ..scenario import WHEELS, Scenario
-from ..structures.wheelset import load_wheelset
+from ..structures.wheelsets import load_any_wheelset
 
 MARGIN = 2
 """Elements shown around the contact."""
@@ -42,7 +42,7 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
     Of all approaches of two bodies one bears the force, so nothing of the run is simulated again. Raises InputError
     for a wheelset that cannot be read and ContactError for a force that the contact cannot bear.
     """
-    radius, dx = load_wheelset(scenario.wheelset).wheel.rolling_radius, scenario.step_length
+    radius, dx = load_any_wheelset(scenario.wheelset).rolling_radius, scenario.step_length
     around = round(2 * math.pi * radius / dx)
     law = build_contact_law(scenario.irregularities, ContactGeometry(wheel_radius=radius), dx, around, tables=False)
     tread_step = step - round(scenario.reference_position / dx)

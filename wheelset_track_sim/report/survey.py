@@ -16,7 +16,7 @@ from ..scenario import Scenario, scenario_from
 from ..simulation.block import SampleBlock
 from ..simulation.impacts import Impact, ImpactDetector, ImpactSettings
 from ..simulation.summary import Summary, combine, summarise
-from ..structures.wheelset import load_wheelset
+from ..structures.wheelsets import load_any_wheelset
 from ..yaml12 import parse
 from .closeups import Closeup, Closeups
 from .envelope import Bins, Envelope
@@ -264,7 +264,7 @@ def _read(text: str) -> Scenario | None:
 def _rolling_radius(scenario: Scenario | None) -> float:
     """m; NaN if the wheelset is in a file that is not here."""
     try:
-        return load_wheelset(scenario.wheelset).wheel.rolling_radius if scenario else math.nan
+        return load_any_wheelset(scenario.wheelset).rolling_radius if scenario else math.nan
     except InputError:
         return math.nan
 

@@ -22,8 +22,7 @@ from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track, load_track
 from ..structures.track_balance import moving_track
 from ..structures.track_ring import MAX_FREQUENCY
-from ..structures.wheelset import Wheelset, load_wheelset
-from ..structures.wheelset_reduction import reduced_wheelset
+from ..structures.wheelsets import AnyWheelset, load_any_wheelset, reduce_wheelset
 from .causal import causal_model, truncated
 from .compilation import compiled_meanwhile
 from .dynamics import DynamicsModel
@@ -36,7 +35,7 @@ Progress = Callable[[str, float], None]
 class Models:
     """Everything that is built before a run and that changes of tread damage and speed leave as it is."""
 
-    wheelset: Wheelset
+    wheelset: AnyWheelset
     reduced: ReducedWheelset
     track: Track
     dynamics: DynamicsModel
@@ -75,9 +74,9 @@ def with_own_state(law: ContactLaw) -> ContactLaw:
     return law._replace(in_contact=np.zeros_like(law.in_contact))
 
 
-def described(scenario: Scenario) -> tuple[Wheelset, Track]:
+def described(scenario: Scenario) -> tuple[AnyWheelset, Track]:
     """Wheelset and track that a scenario names; raises InputError for one that cannot be used, before it is built."""
-    wheelset, track = load_wheelset(scenario.wheelset), load_track(scenario.track)
+    wheelset, track = load_any_wheelset(scenario.wheelset), load_track(scenario.track)
     dx = scenario.step_length
     bay = track.spacing / dx
     if abs(bay - round(bay)) > 1e-6:
@@ -103,7 +102,7 @@ def load_models(
 def _models(scenario: Scenario, progress: Progress | None, tables: bool | Literal["smooth"]) -> Models:
     wheelset, track = described(scenario)
     dx = scenario.step_length
-    reduced = reduced_wheelset(wheelset, progress=progress)
+    reduced = reduce_wheelset(wheelset, progress)
     nodes, band, lag_zero = scenario.output.stress_nodes, scenario.max_frequency, scenario.at_lag_zero
     dynamics: DynamicsModel
     if scenario.dynamics == "paper":

@@ -17,9 +17,10 @@ from ..errors import InputError
 from ..loads import Loads
 from ..one_core import one_core
 from ..schema import unknown
+from ..structures.imported_wheelset import ImportedWheelset
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.static_loads import check_parts, parts_of, press_fit_stress, reacted, torsion_stress
-from ..structures.wheelset import Wheelset
+from ..structures.wheelsets import AnyWheelset
 
 Real = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ class Superposition:
 
 
 def superposition(
-    loads: Loads, wheelset: Wheelset, reduced: ReducedWheelset, nodes: Sequence[str]
+    loads: Loads, wheelset: AnyWheelset, reduced: ReducedWheelset, nodes: Sequence[str]
 ) -> Superposition | None:
     """What ``loads`` add at stress nodes; None if they are none.
 
@@ -106,17 +107,25 @@ def followed(
 
 
 @lru_cache(maxsize=8)
-def _press_fit(wheelset: Wheelset, reduced: ReducedWheelset, wheels: float, equipment: float) -> Real:
+def _press_fit(wheelset: AnyWheelset, reduced: ReducedWheelset, wheels: float, equipment: float) -> Real:
     """Stress (N, 6) at all nodes of a wheelset."""
     if not (wheels or equipment):
         return np.zeros((len(reduced.node_names), 6))
+    if isinstance(wheelset, ImportedWheelset):
+        raise InputError(
+            f"loads.press_fit needs the geometry of seats and hubs, and wheelset {wheelset.name} is imported: "
+            "give its stress in loads.stresses"
+        )
     with one_core():
         return press_fit_stress(wheelset, reduced.node_positions, wheels, equipment)
 
 
 @lru_cache(maxsize=8)
-def _torsion(wheelset: Wheelset, reduced: ReducedWheelset, torque_at: tuple[str, ...], wheel_1_share: float) -> Real:
+def _torsion(wheelset: AnyWheelset, reduced: ReducedWheelset, torque_at: tuple[str, ...], wheel_1_share: float) -> Real:
     """Stress (N, 6) at all nodes for each N m of torque; raises InputError for a part that there is not."""
+    if isinstance(wheelset, ImportedWheelset):
+        check_parts(torque_at, [*wheelset.places])
+        return wheelset.torsion(reacted(torque_at, wheel_1_share))
     check_parts(torque_at, parts_of(wheelset))
     with one_core():
         return torsion_stress(wheelset, reduced.node_positions, reacted(torque_at, wheel_1_share))

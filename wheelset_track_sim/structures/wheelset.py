@@ -83,6 +83,11 @@ class Wheelset:
         clear_of_each_other([*self.attached, *((item.name, *item.ends) for item in self.masses)])
 
     @property
+    def rolling_radius(self) -> float:
+        """Radius of the treads, m."""
+        return self.wheel.rolling_radius
+
+    @property
     def rings(self) -> tuple[Ring, ...]:
         """Equipment that is part of the solid."""
         return tuple(item for item in self.equipment if isinstance(item, Ring))
@@ -119,4 +124,7 @@ def load_wheelset(source: str | Path | Mapping[str, Any] | Wheelset) -> Wheelset
     """
     if isinstance(source, Wheelset):
         return source
-    return read(Wheelset, source if isinstance(source, Mapping) else load_yaml("wheelsets", source), "wheelset")
+    content = source if isinstance(source, Mapping) else load_yaml("wheelsets", source)
+    if isinstance(content, Mapping) and "imported" in content:
+        raise InputError(f"wheelset {content.get('name')} is imported and has no geometry: give one that has")
+    return read(Wheelset, content, "wheelset")
