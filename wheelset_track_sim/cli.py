@@ -6,11 +6,15 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from . import __version__, shipped
 from .errors import InputError, WheelsetTrackError
 from .memory import keep_freed_memory
+
+if TYPE_CHECKING:
+    from .recording.settings import RecordSettings
+    from .simulation.impacts import ImpactSettings
 
 PROGRAM = "wheelset-track-sim"
 
@@ -68,7 +72,16 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key, such as speed=30")
     run.add_argument("--dynamics", help="causal (which streams) or paper (Green's functions as printed)")
     run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
-    run.add_argument("--out", type=Path, metavar="FILE.mcap", help="write the run as a bag")
+    run.add_argument("--out", type=Path, metavar="BAG", help="record the run: FILE.mcap, or the folder of a bag")
+    run.add_argument("--split-size", type=int, metavar="BYTES", help="size at which the bag goes on in another file")
+    run.add_argument("--split-duration", type=float, metavar="S", help="time of the run after which it does")
+    run.add_argument("--max-total-size", type=int, metavar="BYTES", help="above it the oldest files are removed")
+    run.add_argument(
+        "--snapshots", type=float, metavar="S", help="record what is around impacts only, each from S before it"
+    )
+    run.add_argument(
+        "--threshold", type=float, metavar="N", help="contact force that makes an impact in the bag (default: 200e3)"
+    )
     run.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
     run.set_defaults(command=_run)
 
@@ -131,7 +144,40 @@ def _run(options: argparse.Namespace) -> int:
     from .commands.run import run
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return run(options.scenario, changes, options.duration, options.out, json=options.json)
+    settings, impacts = _recorded(options)
+    return run(
+        options.scenario,
+        changes,
+        options.duration,
+        options.out,
+        json=options.json,
+        settings=settings,
+        impacts=impacts,
+    )
+
+
+def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, ImpactSettings | None]:
+    """How a run is recorded; InputError names the option."""
+    from .recording.settings import CONTINUOUS, SNAPSHOT, RecordSettings
+    from .simulation.impacts import ImpactSettings
+
+    named = {
+        "max_size": "split_size",
+        "max_duration": "split_duration",
+        "max_total_size": "max_total_size",
+        "snapshot_duration": "snapshots",
+    }
+    given = {name: value for name, option in named.items() if (value := getattr(options, option)) is not None}
+    if options.out is None:
+        for option in [*(named[name] for name in given), *(["threshold"] if options.threshold is not None else [])]:
+            raise InputError(f"--{option.replace('_', '-')} is of a bag: give --out, too")
+        return None, None
+    try:
+        settings = RecordSettings(CONTINUOUS if options.snapshots is None else SNAPSHOT, **given)
+    except InputError as refusal:
+        name, _, rest = str(refusal).partition(" ")
+        raise InputError(f"--{named[name].replace('_', '-')} {rest}") from None
+    return settings, None if options.threshold is None else ImpactSettings(options.threshold)
 
 
 def _study(options: argparse.Namespace) -> int:

@@ -1,10 +1,11 @@
 """Names of bags that come over ROS, and the recorder's own promises, without ROS."""
 
-import errno
+import os
 
 import pytest
 
 from wheelset_track_sim.errors import InputError, RecordingError
+from wheelset_track_sim.monitoring.status import Level
 from wheelset_track_sim.recording import read
 from wheelset_track_sim.recording.messages import chunk_messages
 from wheelset_track_sim.ros.recorder import LONGEST_NAME, Recorder, name_now, path_below
@@ -79,59 +80,82 @@ def test_a_fleet_has_names_of_its_own():
 
 
 @pytest.fixture
-def recorder(monkeypatch, run_info):
+def told():
+    """What was logged."""
+    return []
+
+
+@pytest.fixture
+def recorder(monkeypatch, run_info, told):
     monkeypatch.setattr("wheelset_track_sim.ros.recorder.run_info", lambda simulator: run_info)
-    return Recorder("/wheelset_track_sim")
+    return Recorder("/wheelset_track_sim", told.append)
+
+
+def begin(recorder, path):
+    recorder.take(recorder.open(path, None, 0))
 
 
 def test_one_bag_at_a_time(recorder, tmp_path, run_blocks):
-    assert recorder.stop() == ""
-    with pytest.raises(InputError, match="nothing is being recorded"):
-        recorder.split()
-    recorder.start(tmp_path / "run", None, 0)
+    assert recorder.stop().result() == ""
+    for refused in (recorder.split, recorder.snapshot):
+        with pytest.raises(InputError, match="nothing is being recorded"):
+            refused()
+    begin(recorder, tmp_path / "run")
     with pytest.raises(InputError, match=f"{tmp_path / 'run'} is being recorded: stop it first"):
-        recorder.start(tmp_path / "other", None, 0)
+        begin(recorder, tmp_path / "other")
+    assert not (tmp_path / "other").exists()
     recorder.write(chunk_messages(run_blocks[0], 0))
-    assert recorder.split() == tmp_path / "run" / "run_1.mcap"
+    assert recorder.split().result() == tmp_path / "run" / "run_1.mcap"
     recorder.write(chunk_messages(run_blocks[1], 0))
-    assert recorder.path == recorder.stop() == str(tmp_path / "run")
+    assert recorder.path == recorder.stop().result() == str(tmp_path / "run")
     assert recorder.path == ""
     assert len(read(tmp_path / "run")) == 1390
     with pytest.raises(InputError, match="exists already"):
-        recorder.start(tmp_path / "run", None, 0)
+        begin(recorder, tmp_path / "run")
     assert recorder.path == ""
 
 
-def test_a_full_disk_ends_the_recording_and_another_can_begin(recorder, tmp_path, run_blocks, monkeypatch):
-    recorder.start(tmp_path / "run", None, 0)
+def test_of_two_that_begin_at_once_one_is_taken(recorder, tmp_path, run_blocks):
+    first, second = (recorder.open(tmp_path / name, None, 0) for name in ("first", "second"))
+    recorder.take(first)
+    with pytest.raises(InputError, match="first is being recorded: stop it first"):
+        recorder.take(second)
+    recorder.write(chunk_messages(run_blocks[0], 0))
+    recorder.stop().result()
+    assert len(read(tmp_path / "first")) == len(run_blocks[0])
 
-    def full(self):
-        raise OSError(errno.ENOSPC, "No space left on device")
 
-    with monkeypatch.context() as patch:
-        patch.setattr("wheelset_track_sim.recording.mcap_file.McapFile.flush", full)
-        recorder.write(chunk_messages(run_blocks[0], 0))  # is still in memory
-        with pytest.raises(RecordingError, match="No space left"):
-            recorder.split()
+def test_a_full_disk_ends_the_recording_and_another_can_begin(recorder, told, tmp_path, run_blocks):
+    """The device that is always full, in the place of the file."""
+    begin(recorder, tmp_path / "run")
+    with open("/dev/full", "wb") as full:  # noqa: PTH123
+        os.dup2(full.fileno(), recorder._bag._writer._file._stream.fileno())
+    recorder.write(chunk_messages(run_blocks[0], 0))  # is still in memory
+    with pytest.raises(RecordingError, match="No space left"):
+        recorder.split().result()
     assert recorder.path == ""
     assert "No space left" in str(recorder.lost)
-    recorder.start(tmp_path / "again", None, 0)
+    [line] = told
+    assert line == f"recording ends here: {recorder.lost}"
+    assert recorder.status.level == Level.ERROR
+    begin(recorder, tmp_path / "again")
     assert recorder.lost is None
+    assert recorder.status.message == f"to {tmp_path / 'again'}"
     recorder.write(chunk_messages(run_blocks[0], 0))
-    recorder.stop()
+    recorder.stop().result()
     assert len(read(tmp_path / "again")) == len(run_blocks[0])
 
 
 @pytest.mark.parametrize("name", ["run{}", "run{}.mcap"])
 def test_the_bags_of_the_next_runs_go_beside_the_first(recorder, tmp_path, name):
-    recorder.start(tmp_path / name.format(""), None, 0)
-    recorder.stop()
+    begin(recorder, tmp_path / name.format(""))
+    recorder.stop().result()
     (tmp_path / name.format("_3")).mkdir()
     for number in (2, 4, 5):
         path = recorder.beside()
         assert path == tmp_path / name.format(f"_{number}")
-        recorder.start(path, None, 0)
-        recorder.stop()
-    recorder.start(tmp_path / "other", None, 0)
-    recorder.stop()
+        begin(recorder, path)
+        recorder.stop().result()
+    begin(recorder, tmp_path / "other")
+    recorder.stop().result()
     assert recorder.beside() == tmp_path / "other_2"

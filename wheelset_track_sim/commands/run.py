@@ -15,7 +15,9 @@ from rich.table import Table
 
 from ..errors import InputError
 from ..recording.run_writer import RunWriter
+from ..recording.settings import RecordSettings
 from ..scenario import WHEELS, load_scenario
+from ..simulation.impacts import ImpactSettings
 from ..simulation.simulator import Simulator
 from ..simulation.summary import Summary, combine, summarise
 from .progress import shown
@@ -30,15 +32,29 @@ LONGEST = 1e5
 """Longest run, s."""
 
 
-def run(scenario: str, changes: Sequence[str], duration: float | None, out: Path | None, *, json: bool) -> int:
-    """Simulate a scenario and print what came out; returns the exit status."""
+def run(
+    scenario: str,
+    changes: Sequence[str],
+    duration: float | None,
+    out: Path | None,
+    *,
+    json: bool,
+    settings: RecordSettings | None = None,
+    impacts: ImpactSettings | None = None,
+) -> int:
+    """Simulate a scenario and print what came out; returns the exit status.
+
+    ``settings`` say how it is recorded to ``out``, ``impacts`` what makes an impact there.
+    """
     what = load_scenario(scenario, changes)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
-        writer = None if out is None else stack.enter_context(RunWriter(out, simulator))
+        writer = (
+            None if out is None else stack.enter_context(RunWriter(out, simulator, settings=settings, impacts=impacts))
+        )
         chunk = LONG_CHUNK if writer is None else CHUNK
         started = time.perf_counter()
         totals: Summary | None = None

@@ -138,11 +138,20 @@ def pace_status(pace: PaceFigures, limits: Limits) -> Status:
     )
 
 
-def recording_status(path: str, lost: Exception | None) -> Status:
-    """Status of the bag: ``path`` of the one that is open, or empty; ``lost`` is what ended one before its time."""
+def recording_status(path: str, lost: Exception | None, waiting: int = 0, buffer_size: int = 0) -> Status:
+    """Status of the bag: ``path`` of the one that is open, or empty; ``lost`` is what it lost, or ended one for.
+
+    ``waiting`` of ``buffer_size`` bytes wait for the disk.
+    """
+    values = _values(waiting_bytes=waiting, buffer_size_bytes=buffer_size)
     if lost is not None:
-        return Status("recording", Level.ERROR, f"ended before its time: {lost}")
-    return Status("recording", Level.OK, f"to {path}" if path else "none")
+        return Status(
+            "recording", Level.ERROR, f"to {path}: {lost}" if path else f"ended before its time: {lost}", values
+        )
+    if path and waiting > buffer_size / 2:
+        told = f"to {path}: the disk is slow, {waiting / 1e6:.0f} of {buffer_size / 1e6:.0f} MB wait for it"
+        return Status("recording", Level.WARN, told, values)
+    return Status("recording", Level.OK, f"to {path}" if path else "none", values)
 
 
 def _level(value: float, warn: float, error: float) -> Level:

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING
 
 from ..errors import InputError, RecordingError
-from ..simulation.block import SampleBlock
-from ..simulation.impacts import Impact
-from ..simulation.summary import Summary
-from ..simulation.turns import NO_TURN, TurnPeaks
 from .bag_file import BagFile
 from .inputs import Input
-from .messages import Message, State, chunk_messages, impact_message, state_again, state_message
+from .messages import Message, state_again
 from .rosbag2_metadata import METADATA, Part, Topic, write_folder_metadata
 from .run_info import RunInfo
 from .settings import RecordSettings
+from .writer import PREFIX as PREFIX
+from .writer import Writer, creating
 
-if TYPE_CHECKING:
-    from typing_extensions import Self
-
-PREFIX = "/wheelset_track_sim"
 CHUNK_PERIOD_NS = 100_000_000
 """A chunk of the file is closed when it holds this time of the run: what a crash can lose."""
 SECOND_NS = 1_000_000_000
@@ -33,7 +24,7 @@ BEGINNINGS = {"ContactForces", STATE}
 """Messages that a file of a bag may begin with."""
 
 
-class BagWriter:
+class BagWriter(Writer):
     """One bag while it is written; a context manager that leaves a readable bag, also after an exception.
 
     A path that ends in ``.mcap`` is one file, any other a bag folder with ``metadata.yaml`` and files, each of which
@@ -52,13 +43,14 @@ class BagWriter:
         start_ns: int,
         prefix: str = PREFIX,
         settings: RecordSettings | None = None,
+        state: Message | None = None,
     ) -> None:
         """Create the bag; ``start_ns`` is the time stamp of step 0, ns since the epoch.
 
-        Raises InputError if the path exists or cannot be written, or is a single file that ``settings`` would split.
+        ``state`` holds already where the bag begins, and is told there if no other is. Raises InputError if the path
+        exists or cannot be written, or is a single file that ``settings`` would split.
         """
-        self.path = Path(path)
-        self.start_ns = start_ns
+        super().__init__(Path(path), start_ns)
         self.prefix = prefix.rstrip("/")
         self._info = info
         self._settings = settings or RecordSettings()
@@ -69,24 +61,17 @@ class BagWriter:
         self._parts: list[Part] = []  # that are finished
         self._number = 0
         self._flushed_ns = self._end_ns = start_ns
-        self._state: Message | None = None
+        self._state = state
         self._state_due = True
         self._note = ""
         self._open = True
-        try:
+        with creating(self.path):
             if self._folder is None:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
             else:
                 self._folder.mkdir(parents=True)
             self._file = BagFile(self._path_of(0), info, self.prefix, start_ns)
             self._write_folder_metadata()
-        except OSError as reason:
-            if isinstance(reason, FileExistsError) and self.path.exists():
-                refusal = f"{self.path} exists already: give another path, or remove it first"
-            else:
-                why = "not a folder on the way" if isinstance(reason, FileExistsError) else reason.strerror
-                refusal = f"{self.path} cannot be written ({why}): give a path in a folder that can be written"
-            raise InputError(refusal) from None
 
     @property
     def file(self) -> Path:
@@ -94,56 +79,14 @@ class BagWriter:
         return self._file.path
 
     @property
-    def size(self) -> int:
-        """Bytes of the files of the bag."""
-        return self._finished_size + self._file.size
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        if error is None:
-            self.close()
-            return
-        with suppress(RecordingError):  # the first error is the one to tell
-            self.close()
-        if not self._topics:
-            self.remove()
-
-    def write(
-        self,
-        block: SampleBlock,
-        *,
-        real_time_factor: float = math.nan,
-        lag: float = 0.0,
-        summary: Summary | None = None,
-        turn: TurnPeaks = NO_TURN,
-        impacts: Iterable[Impact] = (),
-    ) -> None:
-        """Record one block with the ``impacts`` that were over in it; RecordingError if the disk refuses.
-
-        ``summary`` is that of the block if it is known already, ``turn`` the last complete turn of the wheels.
-        """
-        messages = chunk_messages(
-            block, self.start_ns, real_time_factor=real_time_factor, lag=lag, summary=summary, turn=turn
-        )
-        self.write_messages(messages)
-        self.write_impacts(impacts)
-
-    def write_impacts(self, impacts: Iterable[Impact]) -> None:
-        """Record impacts; RecordingError if the disk refuses."""
-        self.write_messages(impact_message(impact, self.start_ns) for impact in impacts)
-
-    def write_state(self, state: State) -> None:
-        """Record what is simulated from a step on: at the start, and at every revision."""
-        self.write_messages([state_message(state, self.start_ns)])
+    def bound(self) -> int:
+        """Bytes of its files, those at most if it is closed now."""
+        return self._finished_size + (self._file.bound if self._open else self._file.size)
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Record messages that belong together; they stay in one chunk of the file.
 
-        Raises RecordingError if the disk refuses; the bag is finished then with what is in it, as far as the disk lets.
+        Raises RecordingError if the disk refuses; the bag is finished then, as far as the disk lets.
         """
         self._require_open()
         together = [*messages]
@@ -184,6 +127,10 @@ class BagWriter:
             raise self._refused(reason) from reason
         return self.file
 
+    def snapshot(self) -> Path:
+        """Raises InputError: everything is in the bag."""
+        raise InputError(f"{self.path} holds everything: record in snapshot mode to take snapshots")
+
     def sync(self) -> None:
         """Wait until all that is at the operating system is on the disk, so that a power failure does not take it.
 
@@ -205,6 +152,11 @@ class BagWriter:
         except OSError as reason:
             raise self._refused(reason) from reason
         self._open = False
+
+    def remove_if_empty(self) -> None:
+        """Remove the bag, which is closed, if it holds nothing."""
+        if not self._topics:
+            self.remove()
 
     def remove(self) -> None:
         """Remove all files of the bag, which is closed, and its folder if there is nothing else in it."""
@@ -246,7 +198,7 @@ class BagWriter:
         long = 0 < settings.max_duration * SECOND_NS <= messages[0].stamp_ns - self._file.begin_ns
         if self._file.holds_messages and (full or long):
             self._next_file()
-        while self._parts and 0 < settings.max_total_size < self._finished_size + self._file.bound + more:
+        while self._parts and 0 < settings.max_total_size < self.bound + more:
             oldest = self._parts.pop(0)
             self._write_folder_metadata()
             self._path_of(0).with_name(oldest.name).unlink(missing_ok=True)

@@ -58,8 +58,8 @@ class McapFile:
     def __init__(self, stream: BinaryIO | FileIO, profile: str, library: str) -> None:
         """Write the beginning of the file to ``stream``, best one without a buffer."""
         self._stream = stream
-        self._place = 0
-        self._crc = 0
+        self._written = 0, 0  # bytes, and their CRC
+        self._torn = False
         self._compressor = ZstdCompressor(level=LEVEL)
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
@@ -77,7 +77,7 @@ class McapFile:
     def add_metadata(self, name: str, record: Mapping[str, str]) -> None:
         """Write a record of text by name."""
         data = _bytes(Metadata(name, dict(record)))
-        self._metadata.append(MetadataIndex(offset=self._place, length=len(data), name=name))
+        self._metadata.append(MetadataIndex(offset=self.place, length=len(data), name=name))
         self._write(data)
 
     def add_schema(self, name: str, encoding: str, text: bytes) -> int:
@@ -107,7 +107,7 @@ class McapFile:
     @property
     def place(self) -> int:
         """Bytes written."""
-        return self._place
+        return self._written[0]
 
     @property
     def holds_messages(self) -> bool:
@@ -118,7 +118,7 @@ class McapFile:
     def bound(self) -> int:
         """Bytes that the file has at most if it is finished now."""
         entries = sum(map(len, self._entries.values()))
-        return self._place + self._size + self._size // 64 + entries + len(self._chunks) + self._described + SLACK
+        return self.place + self._size + self._size // 64 + entries + len(self._chunks) + self._described + SLACK
 
     def flush(self) -> None:
         """Write the chunk at hand and hand it over to the operating system; without messages there is none."""
@@ -128,8 +128,8 @@ class McapFile:
     def finish(self) -> None:
         """Write what is at hand, then all that is needed to find a message without reading the whole file."""
         self.flush()
-        end = _bytes(DataEnd(self._crc))
-        start = self._place + len(end)
+        end = _bytes(DataEnd(self._written[1]))
+        start = self.place + len(end)
         summary = bytearray()
         offsets = bytearray()
         for opcode, group in (
@@ -156,24 +156,31 @@ class McapFile:
 
     def _write(self, data: bytes | bytearray) -> None:
         """Write all of ``data`` and hand it over to the operating system, or leave the file as it was."""
+        self._mend()
+        self._torn = True
         left = memoryview(data)
         try:
             while left:
                 left = left[self._stream.write(left) :]
             self._stream.flush()
         except OSError:
-            with suppress(OSError):  # of what is no file on a disk
-                self._stream.truncate(self._place)
-                self._stream.seek(self._place)
+            self._mend()
             raise
-        self._crc = zlib.crc32(data, self._crc)
-        self._place += len(data)
+        self._written = self.place + len(data), zlib.crc32(data, self._written[1])
+        self._torn = False
+
+    def _mend(self) -> None:
+        """Take away what was written in part, because the disk refused the rest or a signal broke it off."""
+        if self._torn:
+            with suppress(OSError):  # of what is no file on a disk
+                self._stream.truncate(self.place)
+                self._stream.seek(self.place)
 
     def _write_chunk(self) -> None:
         raw, found, (first, last) = b"".join(self._parts), self._entries, self._span
         self._parts, self._size, self._entries = [], 0, {}
         packed = self._compressor.compress(raw)
-        place, length = self._place, CHUNK.size + len(packed)
+        place, length = self.place, CHUNK.size + len(packed)
         crc, name = zlib.crc32(raw), len(COMPRESSION)
         head = CHUNK.pack(Opcode.CHUNK, length - RECORD, first, last, len(raw), crc, name, COMPRESSION, len(packed))
 

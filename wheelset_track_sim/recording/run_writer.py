@@ -7,24 +7,37 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from ..simulation.block import SampleBlock
+from ..simulation.impacts import ImpactSettings
 from ..simulation.simulator import Simulator
 from ..simulation.summary import Summary
 from ..simulation.watch import Watch
-from .bag_writer import BagWriter
 from .origin import run_info, state, states
+from .settings import RecordSettings
+from .snapshots import writer_of
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
 
 class RunWriter:
-    """Records a simulator from its next block on; a context manager, as ``BagWriter`` is."""
+    """Records a simulator from its next block on; a context manager, as every writer is."""
 
-    def __init__(self, path: str | Path, simulator: Simulator, *, start_ns: int = 0) -> None:
-        """Create the bag; ``start_ns`` is the time stamp of step 0, ns. Raises InputError as ``BagWriter`` does."""
+    def __init__(
+        self,
+        path: str | Path,
+        simulator: Simulator,
+        *,
+        start_ns: int = 0,
+        settings: RecordSettings | None = None,
+        impacts: ImpactSettings | None = None,
+    ) -> None:
+        """Create the bag; ``start_ns`` is the time stamp of step 0, ns. Raises InputError as ``BagWriter`` does.
+
+        ``settings`` say how it is recorded, ``impacts`` what makes an impact.
+        """
         self._simulator = simulator
-        self._bag = BagWriter(path, run_info(simulator), start_ns=start_ns)
-        self._watch = Watch(simulator)
+        self._bag = writer_of(Path(path), run_info(simulator), settings or RecordSettings(), start_ns=start_ns)
+        self._watch = Watch(simulator, impacts)
         self._told = simulator.revision
         self._set_point = simulator.course.at(simulator.next_step).set_point
 

@@ -41,11 +41,16 @@ def flag(description: str) -> ParameterDescriptor:
     return ParameterDescriptor(description=description)
 
 
+def described(quantity: Quantity) -> str:
+    """Meaning of a quantity with its unit."""
+    unit = f", {quantity.unit}" if quantity.unit else ""
+    return f"{quantity.meaning.rstrip(',')}{unit}"
+
+
 def number(quantity: Quantity, *, read_only: bool = False) -> ParameterDescriptor:
     """Descriptor of a quantity."""
-    unit = f", {quantity.unit}" if quantity.unit else ""
     return ParameterDescriptor(
-        description=f"{quantity.meaning.rstrip(',')}{unit}",
+        description=described(quantity),
         read_only=read_only,
         floating_point_range=[FloatingPointRange(from_value=float(quantity.low), to_value=float(quantity.high))],
     )

@@ -17,7 +17,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..errors import InputError, RecordingError, WheelsetTrackError
-from ..monitoring.status import recording_status
+from ..recording.settings import RecordSettings
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .clock import NodeClock
@@ -73,9 +73,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._bag: Path | None = None  # to be opened at step 0
         self._earliest_ns = 0  # time stamp of the next run: stamps do not go back
         self._outputs = Outputs(self, self.parameters.decimation({}))
-        self.recorder = Recorder(self.get_fully_qualified_name())
-        told = self.recorder
-        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(told.path, told.lost))
+        self.recorder = Recorder(self.get_fully_qualified_name(), self.get_logger().error)
+        self._set_recorder(self.parameters.recording({}))
+        self._monitoring = Monitoring(self, self.parameters, lambda: self.recorder.status)
         Services(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
@@ -165,7 +165,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             running, recording = before.running, self.recorder.path
             before.end()
             with suppress(RecordingError):  # the recorder keeps it
-                self.recorder.stop()
+                self.recorder.stop().result()
             self._begin(simulator, self.recorder.beside() if recording else None)
             if running:
                 self._go_on()
@@ -275,7 +275,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         if run.next_step == 0 and not self.recorder.path:
             run.start_ns = self._now_ns()
             if self._bag is not None:
-                self.recorder.start(self._bag, run.simulator, run.start_ns)
+                self.recorder.take(self.recorder.open(self._bag, run.simulator, run.start_ns))
             self._bag = None
         simulator, path = run.simulator, self.recorder.path
         self.get_logger().info(
@@ -297,7 +297,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.run = None
         self.revisions.detach()
         self._outputs.destroy()
-        path = self.recorder.stop()
+        path = self.recorder.stop().result()
         if path:
             self.get_logger().info(f"recorded {path}")
         self._monitoring.end()
@@ -325,6 +325,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         try:
             self._check_clock(changes)
             pace, watching = self.parameters.pace(changes), self.parameters.watching(changes)
+            recording = self.parameters.recording(changes)
             before = self.revisions.scenario
             revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
         except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
@@ -340,7 +341,11 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self._pace = pace
             if self.run is not None:
                 self.run.set_pace(pace)
+        self._set_recorder(recording)
         return SetParametersResult(successful=True)
+
+    def _set_recorder(self, settings: RecordSettings) -> None:
+        self.recorder.settings, self.recorder.patient = settings, self._pace.real_time_factor == 0
 
     def _check_clock(self, changes: Mapping[str, Any]) -> None:
         """Raises InputError for a change of the clock that the run at hand cannot follow."""

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..errors import InputError
 from ..irregularities import Breakout
 from ..monitoring.limits import Limits
+from ..recording.settings import RecordSettings
 from ..scenario import Scenario, load_scenario
 from ..schema import Quantity, quantity_of
 from ..simulation.decimation import FACTOR
 from ..simulation.impacts import ImpactSettings
 from ..simulation.pacing import Pace
 from ..values import SCENARIO_NUMBERS, Values, values_of, with_values
-from .declaring import declare, fixed, number, warn_of_unknown, whole
+from .declaring import declare, described, fixed, number, warn_of_unknown, whole
+
+T = TypeVar("T")
 
 START_UP = {
     "scenario": ("damage_wheel_1", "Name of a shipped scenario, or path of a scenario file"),
@@ -32,6 +36,7 @@ START_UP = {
 PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
 WATCHED = {"impact": ImpactSettings, "diagnostics": Limits}
 """What is watched, by the first part of the names of its parameters."""
+MODE = "continuous: all is recorded; snapshot: what is around impacts, or asked for"
 DECIMATED = ("contact_forces", "axle_stress")
 """Topics that may be decimated."""
 
@@ -69,12 +74,15 @@ class Parameters:
         for prefix, kind in WATCHED.items():
             for field in dataclasses.fields(kind):
                 declare(node, f"{prefix}.{field.name}", field.default, number(quantity_of(kind, field.name)))
+        for field in dataclasses.fields(RecordSettings):
+            declare(node, f"record.{field.name}", field.default, _of_recording(field.name, field.default))
         declare(node, "prometheus.port", 0, whole(PORT, PORT.meaning.rstrip(","), read_only=True))
         warn_of_unknown(node)
         self.check_clock(self["use_sim_time"])
         self.changed({}, self.file)
         self.pace({})
         self.watching({})
+        self.recording({})
 
     def __getitem__(self, name: str) -> Any:
         """Value of a parameter."""
@@ -121,19 +129,30 @@ class Parameters:
 
     def watching(self, changes: Values) -> Watching:
         """What is worth telling with ``changes`` made, all checked; raises InputError that names the parameter."""
-        made = []
-        for prefix, kind in WATCHED.items():
-            names = {field.name: f"{prefix}.{field.name}" for field in dataclasses.fields(kind)}
-            try:
-                made.append(kind(**{key: changes.get(name, self[name]) for key, name in names.items()}))
-            except InputError as refusal:
-                raise InputError(f"{prefix}.{refusal}") from None
-        return Watching(*made)
+        return Watching(*(self._made(prefix, kind, changes) for prefix, kind in WATCHED.items()))
+
+    def recording(self, changes: Values) -> RecordSettings:
+        """How recordings are made that begin with ``changes`` made; raises InputError that names the parameter."""
+        return self._made("record", RecordSettings, changes)
 
     def decimation(self, changes: Values) -> dict[str, int]:
         """Steps from sample to sample of each topic in ``DECIMATED`` with ``changes`` made."""
         names = {topic: f"{topic}.decimation" for topic in DECIMATED}
         return {topic: changes[name] if name in changes else self[name] for topic, name in names.items()}
+
+    def _made(self, prefix: str, kind: type[T], changes: Values) -> T:
+        names = {name: f"{prefix}.{name}" for name in kind.__dataclass_fields__}  # type: ignore[attr-defined]
+        try:
+            return kind(**{key: changes.get(name, self[name]) for key, name in names.items()})
+        except InputError as refusal:
+            raise InputError(f"{prefix}.{refusal}") from None
+
+
+def _of_recording(name: str, default: Any) -> ParameterDescriptor:
+    if name == "mode":
+        return ParameterDescriptor(description=MODE)
+    quantity = quantity_of(RecordSettings, name)
+    return whole(quantity, described(quantity)) if isinstance(default, int) else number(quantity)
 
 
 def _quantity(name: str) -> Quantity:

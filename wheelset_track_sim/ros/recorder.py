@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from functools import partial
 from itertools import count
 from pathlib import Path
 
 from ..errors import InputError, RecordingError
-from ..recording.bag_writer import PREFIX, BagWriter
+from ..monitoring.status import Status, recording_status
+from ..recording.buffered import BufferedWriter
 from ..recording.messages import Message
 from ..recording.origin import run_info
+from ..recording.settings import RecordSettings
+from ..recording.snapshots import writer_of
+from ..recording.writer import PREFIX
 from ..simulation.simulator import Simulator
 
 LONGEST_NAME = 200
@@ -19,16 +25,23 @@ LONGEST_NAME = 200
 
 
 class Recorder:
-    """At most one open bag; its methods may be called from any thread."""
+    """At most one open bag; its methods may be called from any thread, and what waits for a disk says so."""
 
-    def __init__(self, prefix: str) -> None:
-        """``prefix`` stands before the topics in the bag: the name of the node with its namespace."""
-        self._prefix = prefix
+    def __init__(self, prefix: str, log: Callable[[str], object]) -> None:
+        """``prefix`` stands before the topics in the bag: the name of the node with its namespace.
+
+        ``log`` is told in any thread what a bag loses.
+        """
+        self._prefix, self._log = prefix, log
         self._lock = threading.Lock()
-        self._bag: BagWriter | None = None
+        self._bag: BufferedWriter | None = None
         self._first = self._beside = Path()
+        self.settings = RecordSettings()
+        """Of the recordings that begin from now on."""
+        self.patient = False
+        """Whether samples wait for the disk, because nobody keeps time."""
         self.lost: RecordingError | None = None
-        """What ended the last recording before its time."""
+        """What the last recording lost, or ended before its time for."""
 
     @property
     def path(self) -> str:
@@ -36,62 +49,88 @@ class Recorder:
         bag = self._bag
         return str(bag.path) if bag else ""
 
-    def start(self, path: Path, simulator: Simulator, start_ns: int) -> None:
-        """Open a bag; ``start_ns`` is the time stamp of step 0, ns.
+    @property
+    def status(self) -> Status:
+        """How the recording is."""
+        bag = self._bag
+        return recording_status(self.path, self.lost, bag.waiting if bag else 0, self.settings.buffer_size)
 
-        Raises InputError if one is open, or this one exists or cannot be written.
+    def open(self, path: Path, simulator: Simulator, start_ns: int) -> BufferedWriter:
+        """Open a bag for ``take``, which waits for the disk; ``start_ns`` is the time stamp of step 0, ns.
+
+        Raises InputError if one is taken already, or this one exists or cannot be written.
         """
-        with self._lock:
-            if self._bag is not None:
-                raise InputError(f"{self._bag.path} is being recorded: stop it first")
-            self._bag = BagWriter(path, run_info(simulator), start_ns=start_ns, prefix=self._prefix)
-            self._first = self._first if path == self._beside else path
-            self.lost = None
+        self._require_none()
+        info, settings = run_info(simulator), self.settings
+        bag = writer_of(path, info, settings, start_ns=start_ns, prefix=self._prefix)
+        return BufferedWriter(bag, settings.buffer_size, partial(self._on_loss, bag.path))
 
-    def write(self, messages: Iterable[Message]) -> None:
-        """Record messages if a bag is open; what the disk refuses ends the recording and is raised: RecordingError."""
-        with self._lock:
-            if self._bag is not None:
-                try:
-                    self._bag.write_messages(messages)
-                except RecordingError as reason:
-                    self._give_up(reason)
-                    raise
-
-    def split(self) -> Path:
-        """Go on in the next file of the bag, which is returned; InputError if there is nothing to split.
-
-        What the disk refuses ends the recording and is raised: RecordingError.
-        """
+    def take(self, bag: BufferedWriter) -> None:
+        """Record to an open bag from the next message on; InputError if there is another."""
         with self._lock:
             if self._bag is None:
-                raise InputError("nothing is being recorded: start a recording first")
-            try:
-                return self._bag.split()
-            except RecordingError as reason:
-                self._give_up(reason)
-                raise
+                self._first = self._first if bag.path == self._beside else bag.path
+                self._bag, self.lost = bag, None
+                return
+        bag.discard()
+        self._require_none()
 
-    def stop(self) -> str:
-        """Close the bag if one is open; returns its path, or nothing. Raises RecordingError if the disk refuses."""
+    def write(self, messages: Iterable[Message]) -> None:
+        """Record messages if a bag is open."""
+        bag = self._bag
+        if bag is not None:
+            bag.put(messages, patient=self.patient)
+
+    def split(self) -> Future[Path]:
+        """Go on in the next file of the bag, the result; InputError if there is nothing to split.
+
+        As a result RecordingError if the disk refuses, which ends the recording.
+        """
+        return self._needed().split()
+
+    def snapshot(self) -> Future[Path]:
+        """Write what is kept, the result is the path; InputError if nothing is, likewise."""
+        return self._needed().snapshot()
+
+    def stop(self) -> Future[str]:
+        """Take no more, and close the bag if one is open: the result is its path, or nothing.
+
+        As a result RecordingError if the disk refuses.
+        """
         with self._lock:
             bag, self._bag = self._bag, None
-            if bag is None:
-                return ""
-            try:
-                bag.close()
-            except RecordingError as reason:
-                self.lost = reason
-                raise
-            return str(bag.path)
+        stopped: Future[str] = Future()
+        if bag is None:
+            stopped.set_result("")
+            return stopped
 
-    def _give_up(self, reason: RecordingError) -> None:
-        bag, self._bag, self.lost = self._bag, None, reason
+        def tell(closed: Future[None]) -> None:
+            failure = closed.exception()
+            if failure is None:
+                stopped.set_result(str(bag.path))
+            else:
+                stopped.set_exception(failure)
+
+        bag.close().add_done_callback(tell)
+        return stopped
+
+    def _on_loss(self, path: Path, reason: RecordingError, ended: bool) -> None:
+        with self._lock:
+            self.lost = reason
+            if ended and self._bag is not None and self._bag.path == path:
+                self._bag = None
+        self._log(f"recording ends here: {reason}" if ended else str(reason))
+
+    def _needed(self) -> BufferedWriter:
+        bag = self._bag
+        if bag is None:
+            raise InputError("nothing is being recorded: start a recording first")
+        return bag
+
+    def _require_none(self) -> None:
+        bag = self._bag
         if bag is not None:
-            try:
-                bag.close()
-            except RecordingError:
-                return  # the first error is the one to tell
+            raise InputError(f"{bag.path} is being recorded: stop it first")
 
     def beside(self) -> Path:
         """A bag for the next run, beside that of the first: the first of ``PATH_2``, ``PATH_3``, ... that is free."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RecordingError
-from ..recording.messages import Message, State, chunk_messages, impact_message, state_message
+from ..recording.messages import State, chunk_messages, impact_message, state_message
 from ..recording.origin import state, states
 from ..simulation.block import SampleBlock
 from ..simulation.contacts import Contacts
@@ -102,24 +102,29 @@ class Run:
 
     def start_recording(self, path: Path) -> int:
         """Open a bag; returns the first step that it will hold. Raises InputError."""
+        bag = self._recorder.open(path, self.simulator, self.start_ns)  # the stream waits for no disk
         with self._lock:
-            self._recorder.start(path, self.simulator, self.start_ns)
+            self._recorder.take(bag)
             self._tell_again()
             return self._next_step
 
     def split_recording(self) -> Path:
         """Go on in the next file of the bag, which begins with the state; raises InputError or RecordingError."""
         with self._lock:
-            path = self._recorder.split()
+            split = self._recorder.split()
             self._tell_again()
-            return path
+        return split.result()
+
+    def take_snapshot(self) -> Path:
+        """Write the latest messages; returns where. Raises InputError or RecordingError."""
+        return self._recorder.snapshot().result()
 
     def stop_recording(self) -> str:
         """Close the bag, if one is open; returns its path. Raises RecordingError."""
         with self._lock:
-            path = self._recorder.stop()
+            stopped = self._recorder.stop()
             self._tell_again()
-            return path
+        return stopped.result()
 
     def _stop(self) -> None:
         stream, self._stream = self._stream, None
@@ -146,7 +151,7 @@ class Run:
                     self._tell(found, RUNNING, timing)
             self._next_step = block.first_step + len(block)
             self._clock.tell(self.end_ns)
-            self._record(messages)
+            self._recorder.write(messages)
             self._outputs.publish_chunk(block, messages, self.start_ns)
             self.contacts.push(self.simulator, block)
 
@@ -163,7 +168,7 @@ class Run:
             )
             self._due = False
             messages = [state_message(self._told, self.start_ns)]
-            self._record(messages)
+            self._recorder.write(messages)
             self._outputs.publish(messages)
 
     def _tell_again(self) -> None:
@@ -175,17 +180,12 @@ class Run:
 
     def _changed(self, told: State, block: SampleBlock) -> bool:
         set_point = self.simulator.course.at(block.first_step).set_point
-        return (told.revision, told.speed_set_point) != (block.revision, set_point)
-
-    def _record(self, messages: list[Message]) -> None:
-        try:
-            self._recorder.write(messages)
-        except RecordingError as reason:  # the stream is worth more than the bag
-            self._log.error(f"recording ends here: {reason}")
+        now = block.revision, set_point, self._recorder.path
+        return (told.revision, told.speed_set_point, told.recording) != now
 
     def _finish(self) -> None:
         impacts = [impact_message(impact, self.start_ns) for impact in self._monitoring.finish()]
-        self._record(impacts)
+        self._recorder.write(impacts)
         self._outputs.publish(impacts)
         self._outputs.finish()
 
@@ -197,5 +197,5 @@ class Run:
             self._tell(state(self.simulator), FAILED, message=str(failure))
             self._monitoring.fail(str(failure))
             with suppress(RecordingError):
-                self._recorder.stop()
+                self._recorder.stop().result()
         self._ended(failure)

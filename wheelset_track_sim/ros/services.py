@@ -45,6 +45,7 @@ class Services:
             (StartRecording, "start_recording", self._start_recording, switching),
             (Trigger, "stop_recording", self._stop_recording, switching),
             (Trigger, "split_recording", self._split_recording, switching),
+            (Trigger, "take_snapshot", self._take_snapshot, switching),
             (Trigger, "pause", lambda _: {"message": node.pause()}, switching),
             (Trigger, "resume", lambda _: {"message": node.resume()}, switching),
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
@@ -96,6 +97,11 @@ class Services:
 
     def _split_recording(self, request: Any) -> Answer:
         return {"message": str(self._node.needed_run().split_recording())}
+
+    def _take_snapshot(self, request: Any) -> Answer:
+        path = self._node.needed_run().take_snapshot()
+        self._node.get_logger().info(f"took the snapshot {path}")
+        return {"message": str(path)}
 
     def _get_contact_pressure(self, request: Any) -> Answer:
         run = self._node.needed_run()

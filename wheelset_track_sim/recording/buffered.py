@@ -1,0 +1,173 @@
+"""A writer in a thread of its own: who records waits for no disk."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..errors import InputError, RecordingError
+from .bag_writer import STATE
+from .messages import Message
+from .snapshots import IMPACT
+from .writer import Writer
+
+T = TypeVar("T")
+
+SYNC_PERIOD = 1.0
+"""Wall time after which what is written is put on the disk, s: what a power failure can cost."""
+SMALL = {STATE, IMPACT}
+"""Messages that are not lost while ``RESERVE`` lasts, though samples are."""
+RESERVE = 1_000_000
+"""Bytes that they have beyond the buffer's size."""
+
+
+class BufferedWriter:
+    """Gives a writer what it gets, in its order; methods may be called from any thread, and wait for no disk.
+
+    What is given while ``size`` bytes wait already is lost: samples, not states or impacts. When half of the buffer is
+    free again it goes on behind a gap. What the disk refuses ends it, and what is given then is lost as well.
+    """
+
+    def __init__(self, writer: Writer, size: int, tell: Callable[[RecordingError, bool], None]) -> None:
+        """``tell`` gets, in any thread, what is lost and why, and whether that was the end."""
+        self.path = writer.path
+        self._writer, self._size, self._tell = writer, size, tell
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="recorder")
+        self._room = threading.Condition()
+        self._waiting = 0
+        self._shut_down = False
+        self._failure: RecordingError | None = None
+        self._gap: tuple[int, int] | None = None  # first and last step that is lost
+        self._synced = time.monotonic()
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait for the disk."""
+        return self._waiting
+
+    def put(self, messages: Iterable[Message], *, patient: bool = False) -> None:
+        """Write messages that belong together; ``patient`` waits for room rather than lose any.
+
+        Who is patient keeps no time, and could do all again: nothing is put on the disk before the system does it.
+        """
+        together = [message.packed() for message in messages]
+        size = _size_of(together)
+        with self._room:
+            if patient:
+                self._room.wait_for(lambda: self._shut_down or self._fits(size))
+            if self._shut_down or not together:
+                return
+            if self._gap is not None and self._waiting <= self._size // 2:
+                self._go_on(self._gap)
+            if self._gap is not None or not self._fits(size):
+                together = self._lose(together)
+            if together:
+                self._submit(self._write, together, not patient, size=_size_of(together))
+
+    def split(self) -> Future[Path]:
+        """As that of the writer."""
+        with self._room:
+            return self._submit(self._writer.split)
+
+    def snapshot(self) -> Future[Path]:
+        """As that of the writer."""
+        with self._room:
+            return self._submit(self._writer.snapshot)
+
+    def close(self) -> Future[None]:
+        """As that of the writer, behind all that waits; nothing is taken any more."""
+        with self._room:
+            if self._gap is not None:
+                self._tell(RecordingError(self._missing(self._gap)), False)
+            closing = self._submit(self._writer.close)
+            self._shut()
+        return closing
+
+    def discard(self) -> Future[None]:
+        """Close what nobody wants, and remove it if nothing was put in."""
+        closing = self.close()
+        closing.add_done_callback(lambda _: self._writer.remove_if_empty())
+        return closing
+
+    def _fits(self, size: int) -> bool:
+        return self._waiting == 0 or self._waiting + size <= self._size
+
+    def _lose(self, together: list[Message]) -> list[Message]:
+        """What of messages is kept though there is no room; of the samples it is told from where on they are lost."""
+        for fields in (message.fields for message in together if "samples" in message.fields):
+            first, last = fields["first_step"], fields["first_step"] + fields["samples"] - 1
+            if self._gap is None:
+                self._tell(RecordingError(self._missing((first, None))), False)
+            self._gap = first if self._gap is None else self._gap[0], last
+        small = [message for message in together if message.kind in SMALL]
+        if self._waiting + _size_of(small) <= self._size + RESERVE:
+            return small
+        self._submit(self._writer.close)
+        self._shut()
+        self._tell(RecordingError(f"{self.path} ends here: the disk stands, and there is no room for changes"), True)
+        return []
+
+    def _go_on(self, gap: tuple[int, int]) -> None:
+        """There is room again: a gap is over."""
+        told, self._gap = self._missing(gap), None
+        self._submit(self._writer.gap, told)
+        self._tell(RecordingError(told), False)
+
+    def _missing(self, gap: tuple[int, int | None]) -> str:
+        to = "on" if gap[1] is None else f"to {gap[1]}"
+        return f"{self.path} misses steps {gap[0]} {to}: the disk is too slow, {self._size:g} bytes wait for it already"
+
+    def _write(self, together: list[Message], sync: bool) -> None:
+        self._writer.write_messages(together)
+        if sync and time.monotonic() - self._synced > SYNC_PERIOD:
+            self._writer.sync()
+            self._synced = time.monotonic()
+
+    def _submit(self, job: Callable[..., T], *arguments: Any, size: int = 0) -> Future[T]:
+        if self._shut_down:
+            refused: Future[T] = Future()
+            refused.set_exception(InputError(f"{self.path} is not being recorded any more: start another recording"))
+            return refused
+        self._waiting += size
+        return self._thread.submit(self._do, job, arguments, size)
+
+    def _do(self, job: Callable[..., T], arguments: tuple[Any, ...], size: int) -> T:
+        try:
+            return self._try(job, arguments)
+        finally:
+            with self._room:
+                self._waiting -= size
+                self._room.notify_all()
+
+    def _try(self, job: Callable[..., T], arguments: tuple[Any, ...]) -> T:
+        if self._failure is not None:
+            raise self._failure
+        try:
+            return job(*arguments)
+        except InputError:
+            raise
+        except RecordingError as reason:
+            self._fail(reason)
+            raise
+        except Exception as reason:
+            failure = RecordingError(f"{self.path} cannot be written further: {reason!r}")
+            self._fail(failure)
+            raise failure from reason
+
+    def _fail(self, reason: RecordingError) -> None:
+        with self._room:
+            self._failure = reason
+            self._shut()
+        self._tell(reason, True)
+
+    def _shut(self) -> None:
+        self._shut_down = True
+        self._thread.shutdown(wait=False)
+
+
+def _size_of(messages: Iterable[Message]) -> int:
+    return sum(len(message.cdr) for message in messages)
