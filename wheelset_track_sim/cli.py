@@ -134,6 +134,16 @@ def _parser() -> argparse.ArgumentParser:
     replay.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
     replay.set_defaults(command=_replay)
 
+    recover = commands.add_parser("recover", help="make a whole bag of what can be read of a damaged one")
+    recover.add_argument("bag", type=Path, metavar="BAG", help="an .mcap file or a bag folder; it stays as it is")
+    recover.add_argument("--out", type=Path, metavar="NEW", help="the new bag (default: BAG_recovered beside it)")
+    recover.set_defaults(command=_recover)
+
+    info = commands.add_parser("info", help="what is in a bag: steps, revisions, peaks, gaps, files")
+    info.add_argument("bag", type=Path, metavar="BAG", help="an .mcap file or a bag folder")
+    info.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+    info.set_defaults(command=_info)
+
     demo = commands.add_parser("demo", help="stream, record and report the paper's Section 5.1 through the ROS 2 node")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
     demo.set_defaults(command=_demo)
@@ -217,6 +227,18 @@ def _again(options: argparse.Namespace, of_replay: Sequence[str]) -> int:
         name = f"--{of_replay[0].replace('_', '-')}" if of_replay else "--ros-args"
         raise InputError(f"{name} is of a bag that is played: leave it out with --simulate-again")
     return again(options.bag, options.set, options.out, json=options.json)
+
+
+def _recover(options: argparse.Namespace) -> int:
+    from .commands.recover import run_recover
+
+    return run_recover(options.bag, options.out)
+
+
+def _info(options: argparse.Namespace) -> int:
+    from .commands.info import info
+
+    return info(options.bag, json=options.json)
 
 
 def _demo(options: argparse.Namespace) -> int:

@@ -58,7 +58,6 @@ def assert_nothing_is_wrong(path, made):
     return len(found)
 
 
-@pytest.mark.slow
 def test_truncated_at_any_byte(tmp_path, whole):
     content, made = whole
     path = tmp_path / "run.mcap"
@@ -71,7 +70,6 @@ def test_truncated_at_any_byte(tmp_path, whole):
     assert set(kept) == set(range(CHUNKS + 1))
 
 
-@pytest.mark.slow
 def test_any_bit_flipped(tmp_path, whole):
     content, made = whole
     path = tmp_path / "run.mcap"

@@ -13,7 +13,7 @@ from .. import __version__
 from .definitions import full_name, schema
 from .mcap_file import McapFile
 from .messages import Message
-from .rosbag2_metadata import LATCHED_TOPICS, Part, Topic, channel_metadata
+from .rosbag2_metadata import LATCHED_TOPICS, Part, Topic
 from .run_info import METADATA_NAME, RunInfo
 
 NO_DISK = (errno.EINVAL, errno.ENOTSUP)
@@ -107,7 +107,7 @@ class BagFile:
         kind = message.kind
         if kind not in self._schemas:
             self._schemas[kind] = self._mcap.add_schema(full_name(kind), "ros2msg", schema(kind).encode())
-        topic = Topic(f"{self._prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
-        channel = self._mcap.add_channel(topic.name, "cdr", self._schemas[kind], channel_metadata(topic))
+        topic = Topic.of(f"{self._prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
+        channel = self._mcap.add_channel(topic.name, "cdr", self._schemas[kind], topic.metadata)
         self.topics[message.topic], self._channels[message.topic] = topic, channel
         return channel

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from ..errors import InputError, RecordingError
 from ..yaml12 import parse
 from .losses import Damage
+from .rosbag2_metadata import METADATA
 
 
 def files_of(path: Path) -> tuple[Path, ...]:
@@ -26,15 +28,20 @@ def missing_files(path: Path) -> list[Damage]:
     """What ``metadata.yaml`` of a folder names and is not there; its own loss, too. None for a single file."""
     if not path.is_dir():
         return []
-    text = path / "metadata.yaml"
+    text = path / METADATA
     if not text.exists():
         return [Damage(text.name, 0, 0, "it is missing")]
     try:
-        information = parse(text.read_text("utf-8"), text.name)["rosbag2_bagfile_information"]
-        names = [str(name) for name in information["relative_file_paths"]]
+        names = [str(name) for name in _parsed(text.read_text("utf-8"))["relative_file_paths"]]
     except (OSError, InputError, ValueError, LookupError, TypeError):
         return [Damage(text.name, 0, 0, "it cannot be read")]
     return [Damage(name, 0, 0, "it is missing") for name in names if not (path / name).exists()]
+
+
+def _parsed(text: str) -> Any:
+    """What ``metadata.yaml`` says; only its list of files if that stands as recorders write it: YAML takes its time."""
+    files = re.search(r"(?m)^ *relative_file_paths:(?:\n *- .*)+", text)
+    return parse(files[0].strip(), METADATA) if files else parse(text, METADATA)["rosbag2_bagfile_information"]
 
 
 def _number(name: str) -> int:

@@ -104,19 +104,18 @@ class Bag:
 
     def _follows(self, before: SampleBlock, block: SampleBlock) -> bool:
         """Whether a block comes after another; with a gap between them, or if it does not, it is told."""
-        last = before.first_step + len(before) - 1
-        if block.first_step == last + 1:
+        end, end_time = before.first_step + len(before), before.time + len(before) * before.step_period
+        if block.first_step == end:
             return True
         if self.lost is None:
             raise RecordingError(
-                f"{self.path} has a gap: after step {last} comes step {block.first_step}, record it again or read it "
-                "with its gaps"
+                f"{self.path} has a gap: after step {end - 1} comes step {block.first_step}, record it again or read "
+                "it with its gaps"
             )
-        if block.first_step > last:
-            seconds = block.time - (before.time + len(before) * before.step_period)
-            self.lost(Gap(last + 1, block.first_step - last - 1, seconds))
+        if gap := Gap.between(end, end_time, block.first_step, block.time):
+            self.lost(gap)
             return True
-        self._tell([f"steps from {block.first_step} on come again after step {last}, and are left out"])
+        self._tell([f"steps from {block.first_step} on come again after step {end - 1}, and are left out"])
         return False
 
     def _stress_topics(self, nodes: Sequence[str] | None) -> list[str]:

@@ -19,13 +19,21 @@ from .bag_files import files_of, missing_files
 from .definitions import PACKAGE
 from .losses import Damage, Loss
 from .mcap_source import UNREADABLE, Chunk, McapSource, Message
-from .run_info import CHECKSUM, METADATA_NAME, RunInfo
+from .run_info import RunInfo
 from .stored_types import DefinitionError, reader
 from .window import EVERYTHING, Window, first_chunk
 
 DAMAGE = (*UNREADABLE, SerdeError, TypesysError)
 FORCES = "ContactForces"
 Lost = Callable[[Loss], object]
+
+
+class Stored(NamedTuple):
+    """A message as it is stored, and where."""
+
+    file: Path
+    chunk: Chunk
+    message: Message
 
 
 class Told(NamedTuple):
@@ -64,11 +72,11 @@ class BagSource:
             for _, item in self.quiet.contents(file):
                 if isinstance(item, Chunk):
                     break
-                if item.name == METADATA_NAME or CHECKSUM in item.metadata:
-                    try:
-                        return RunInfo.from_metadata(item.metadata)
-                    except (LookupError, ValueError) as reason:
-                        self._damaged(file, Damage(file.name, 0, 0, f"what it says about its run is lost ({reason})"))
+                try:
+                    if info := RunInfo.among(item.name, item.metadata):
+                        return info
+                except ValueError as reason:
+                    self._damaged(file, Damage(file.name, 0, 0, str(reason)))
         return None
 
     def topics(self, kind: str) -> list[str]:
@@ -90,19 +98,33 @@ class BagSource:
 
         ``wanted`` says by type and topic which are read at all.
         """
+        for stored in self.stored(kinds, window):
+            kind = kind_of(stored.message.schema)
+            if kind in kinds and (wanted is None or wanted(kind, stored.message.channel.topic)):
+                told = self.told(stored)
+                if told is not None:
+                    yield told
+
+    def stored(self, kinds: Sequence[str], window: Window = EVERYTHING) -> Iterator[Stored]:
+        """All messages of chunks that may hold some of ``kinds`` in the window; every message if samples are wanted."""
         for file, source, chunk in self._chunks(window, kinds):
             for item in source.messages(chunk):
                 if isinstance(item, Damage):
                     self._damaged(file, item)
-                elif (kind := kind_of(item.schema)) in kinds and (not wanted or wanted(kind, item.channel.topic)):
-                    try:
-                        message = reader(kind, item.schema)(item.data)
-                    except DefinitionError as reason:
-                        raise self._refusal(reason) from None
-                    except DAMAGE as reason:
-                        self._damaged(file, Damage(file.name, chunk.place, chunk.end, f"a {kind}: {one_line(reason)}"))
-                    else:
-                        yield Told(kind, item.channel.topic, message)
+                else:
+                    yield Stored(file, chunk, item)
+
+    def told(self, stored: Stored) -> Told | None:
+        """What a message of this package tells; None if it is not what its definition says, which is damage."""
+        file, chunk, message = stored
+        kind = kind_of(message.schema)
+        try:
+            return Told(kind, message.channel.topic, reader(kind, message.schema)(message.data))
+        except DefinitionError as reason:
+            raise self._refusal(reason) from None
+        except DAMAGE as reason:
+            self._damaged(file, Damage(file.name, chunk.place, chunk.end, f"a {kind}: {one_line(reason)}"))
+            return None
 
     def contents(self, file: Path) -> Iterator[tuple[McapSource, Chunk | Metadata]]:
         """All of a file that can be read."""

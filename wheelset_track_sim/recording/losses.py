@@ -34,6 +34,11 @@ class Gap:
     seconds: float
     """Simulated time between the samples before and after that is not there."""
 
+    @classmethod
+    def between(cls, end_step: int, end_time: float, step: int, time: float) -> Gap | None:
+        """Gap from the end of a block (the step and time that should come next) to another; None without one."""
+        return cls(end_step, step - end_step, time - end_time) if step > end_step else None
+
     def __str__(self) -> str:
         last = self.first_step + self.steps - 1
         return f"steps {self.first_step} to {last} are missing ({self.seconds:.4g} s)"

@@ -94,14 +94,21 @@ class McapFile:
         self._describe(_bytes(channel))
         return channel.id
 
-    def add_message(self, channel: int, time: int, sequence: int, data: bytes | memoryview) -> None:
-        """Add a message with time stamp ``time``, ns, to the chunk at hand; ``data`` must stay as it is until then."""
+    def add_message(
+        self, channel: int, time: int, sequence: int, data: bytes | memoryview, published: int | None = None
+    ) -> None:
+        """Add a message with time stamp ``time``, ns, to the chunk at hand; ``data`` must stay as it is until then.
+
+        It was ``published`` at another time if that is given, ns.
+        """
         if self._entries:
             self._span = min(self._span[0], time), max(self._span[1], time)
         else:
             self._span = time, time
         self._entries.setdefault(channel, bytearray()).extend(ENTRY.pack(time, self._size))
-        self._append(MESSAGE.pack(Opcode.MESSAGE, MESSAGE.size - RECORD + len(data), channel, sequence, time, time))
+        published = time if published is None else published
+        size = MESSAGE.size - RECORD + len(data)
+        self._append(MESSAGE.pack(Opcode.MESSAGE, size, channel, sequence, time, published))
         self._append(data)
 
     @property

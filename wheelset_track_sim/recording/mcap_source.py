@@ -92,7 +92,7 @@ class McapSource:
 
     def __init__(self, stream: BinaryIO, name: str) -> None:
         """Look at the end of the file in ``stream``; ``name`` is what losses call it."""
-        self._name = name
+        self.name = name
         self._stream = stream
         self.size = stream.seek(0, 2)
         self.index = self._read_index()
@@ -104,17 +104,17 @@ class McapSource:
     def scan(self) -> Iterator[Chunk | Metadata | Damage]:
         """All that the file holds, in its order."""
         if self.size == 0:
-            yield Damage(self._name, 0, 0, "it is empty")
+            yield Damage(self.name, 0, 0, "it is empty")
             return
         limit = self.index.place if self.index else self.size
         place, ended = min(len(MAGIC), self.size), False
         if self._read(0, len(MAGIC)) != MAGIC:
-            yield Damage(self._name, 0, place, "it does not begin as MCAP does")
+            yield Damage(self.name, 0, place, "it does not begin as MCAP does")
         while place < limit and not ended:
             found = self._record(place, limit)
             if isinstance(found, str):
                 resumed = self._resumed(place, limit)
-                yield Damage(self._name, place, resumed, found)
+                yield Damage(self.name, place, resumed, found)
                 place = resumed
             else:
                 opcode, place, content = found
@@ -123,14 +123,14 @@ class McapSource:
                     yield content
         if self.index is None:
             yield Damage(
-                self._name, place, self.size, "the index at the end is damaged" if ended else "it was not closed"
+                self.name, place, self.size, "the index at the end is damaged" if ended else "it was not closed"
             )
 
     def chunks_at(self, places: Iterable[int]) -> Iterator[Chunk | Damage]:
         """Chunks at places that the index names."""
         for place in places:
             chunk = self._chunk(place, self.size)
-            yield chunk if isinstance(chunk, Chunk) else Damage(self._name, place, place, chunk)
+            yield chunk if isinstance(chunk, Chunk) else Damage(self.name, place, place, chunk)
 
     def topics(self) -> list[tuple[Channel, Schema]]:
         """Topics that are known, in the order of their numbers, with their types."""
@@ -158,7 +158,7 @@ class McapSource:
                 _register(opcode, content, self.schemas, self.channels)
         if unknown:
             reason = f"{unknown} messages are of topics whose names are lost"
-            found.append(Damage(self._name, chunk.place, chunk.end, reason))
+            found.append(Damage(self.name, chunk.place, chunk.end, reason))
         return found
 
     def _read(self, place: int, length: int) -> bytes:

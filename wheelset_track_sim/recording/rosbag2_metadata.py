@@ -9,10 +9,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..yaml12 import dump
+from ..errors import InputError
+from ..yaml12 import dump, parse
 from .definitions import full_name, type_hash
 
 METADATA = "metadata.yaml"
+PROFILES, TYPE_HASH = "offered_qos_profiles", "topic_type_hash"
 VERSION = 9
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 LATCHED_TOPICS = {"state"}
@@ -26,8 +28,15 @@ class Topic:
     """One topic of a bag."""
 
     name: str
-    kind: str
-    latched: bool
+    type: str
+    """Full name of its type."""
+    metadata: Mapping[str, str]
+    """Of its MCAP channel: offered quality of service as YAML, hash of its type."""
+
+    @classmethod
+    def of(cls, name: str, kind: str, latched: bool) -> Topic:
+        """Topic of a message of this package."""
+        return cls(name, full_name(kind), {PROFILES: _profiles(latched), TYPE_HASH: type_hash(kind)})
 
 
 @dataclass(frozen=True)
@@ -63,14 +72,17 @@ def quality_of_service(latched: bool) -> list[dict[str, Any]]:
     ]
 
 
-def channel_metadata(topic: Topic) -> dict[str, str]:
-    """Metadata of a topic's MCAP channel."""
-    return {"offered_qos_profiles": _profiles(topic.latched), "topic_type_hash": type_hash(topic.kind)}
-
-
 @cache
 def _profiles(latched: bool) -> str:  # YAML takes 6 ms a topic
     return dump(quality_of_service(latched)).strip()
+
+
+@cache
+def _parsed_profiles(text: str) -> Any:
+    try:
+        return parse(text, PROFILES) or []
+    except InputError:  # of another recorder
+        return []
 
 
 def write_folder_metadata(folder: Path, parts: Sequence[Part], topics: Sequence[Topic]) -> None:
@@ -87,10 +99,10 @@ def write_folder_metadata(folder: Path, parts: Sequence[Part], topics: Sequence[
             {
                 "topic_metadata": {
                     "name": topic.name,
-                    "type": full_name(topic.kind),
+                    "type": topic.type,
                     "serialization_format": "cdr",
-                    "offered_qos_profiles": quality_of_service(topic.latched),
-                    "type_description_hash": type_hash(topic.kind),
+                    "offered_qos_profiles": _parsed_profiles(topic.metadata.get(PROFILES, "")),
+                    "type_description_hash": topic.metadata.get(TYPE_HASH, ""),
                 },
                 "message_count": sum(part.counts.get(topic.name, 0) for part in parts),
             }

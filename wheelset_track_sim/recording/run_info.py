@@ -92,6 +92,16 @@ class RunInfo:
         return record | {CHECKSUM: _checksum(record)}
 
     @classmethod
+    def among(cls, name: str, record: Mapping[str, str]) -> RunInfo | None:
+        """RunInfo from a metadata record of a bag; None if it is about something else, ValueError if it is damaged."""
+        if name != METADATA_NAME and CHECKSUM not in record:
+            return None
+        try:
+            return cls.from_metadata(record)
+        except (LookupError, ValueError) as reason:
+            raise ValueError(f"what it says about its run is lost: {reason}") from reason
+
+    @classmethod
     def from_metadata(cls, record: Mapping[str, str]) -> RunInfo:
         """RunInfo from its record; raises KeyError or ValueError if the record is not one, or not as it was written."""
         if record.get(CHECKSUM, "") not in ("", _checksum(record)):
