@@ -7,7 +7,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from wheelset_track_sim.recording import BagWriter
+from wheelset_track_sim.recording import BagWriter, RecordSettings
+from wheelset_track_sim.recording.snapshots import writer_of
+from wheelset_track_sim.simulation.block import COMPONENTS
 from wheelset_track_sim.simulation.summary import summarise
 from wheelset_track_sim.stress.principal import maximum_principal
 
@@ -146,3 +148,52 @@ def test_chunks_are_small_in_time(tmp_path, run_info, make_block):
         chunks = make_reader(stream).get_summary().chunk_indexes
     assert len(chunks) >= 5
     assert max(chunk.message_end_time - chunk.message_start_time for chunk in chunks) <= 0.2e9
+
+
+SETTINGS = {
+    "split": RecordSettings(max_duration=1.0),
+    "bounded": RecordSettings(max_total_size=10_000_000),
+    "snapshot": RecordSettings("snapshot", snapshot_duration=2.0),
+}
+
+
+@pytest.fixture(params=SETTINGS)
+def long_bag(request, tmp_path, run_info, make_block, make_state):
+    """A bag folder of a run of 4 s, or a snapshot of its end, and the blocks of the run by their first step."""
+    blocks = {first: make_block(first, 1389, time=first * 3.6e-5) for first in range(0, 80 * 1389, 1389)}
+    with writer_of(tmp_path / "run", run_info, SETTINGS[request.param], start_ns=START_NS) as writer:
+        writer.write_state(make_state(blocks[0]))
+        for block in blocks.values():
+            writer.write(block)
+        path = writer.snapshot() if request.param == "snapshot" else writer.path
+    return path, blocks
+
+
+def test_split_bounded_and_snapshot_bags_bit_by_bit_in_all_readers(long_bag):
+    path, blocks = long_bag
+    files = sorted(path.glob("*.mcap"), key=lambda file: int(file.stem.rpartition("_")[2]))
+    found = {"rosbags": [], "mcap-ros2-support": []}
+    with AnyReader([path]) as reader:
+        assert {connection.topic: connection.msgtype for connection in reader.connections} == TYPES
+        for connection, _, raw in reader.messages():
+            found["rosbags"].append((connection.topic, reader.deserialize(raw, connection.msgtype)))
+    for file in files:
+        with file.open("rb") as stream:
+            reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+            alone = [(channel.topic, decoded) for _, channel, _, decoded in reader.iter_decoded_messages()]
+        (state,) = [message for topic, message in alone if topic.endswith("/state")]
+        assert state.first_step == min(message.first_step for topic, message in alone if topic.endswith("/summary"))
+        found["mcap-ros2-support"] += alone
+    for messages in found.values():
+        forces = [message for topic, message in messages if topic.endswith("/contact_forces")]
+        firsts = [message.first_step for message in forces]
+        assert firsts == [*range(firsts[0], 80 * 1389, 1389)]
+        for message in forces:
+            assert np.array(message.wheel_1).tobytes() == blocks[message.first_step].forces[:, 0].tobytes()
+        for topic, message in messages:
+            if topic.endswith("/c1"):
+                column = blocks[message.first_step].stresses[:, 2, COMPONENTS.index("yz")]
+                assert np.array(message.yz).tobytes() == column.tobytes()
+    information = yaml.safe_load((path / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert information["message_count"] == len(found["rosbags"]) == len(found["mcap-ros2-support"])
+    assert information["relative_file_paths"] == [file.name for file in files]
