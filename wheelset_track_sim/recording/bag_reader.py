@@ -58,12 +58,16 @@ class Bag:
         """Time stamp of step 0, ns since the epoch."""
         for told in self.source.quiet.messages(KINDS):
             return start_of(told.message)
-        raise self._nothing()
+        raise self.nothing()
 
     @cached_property
     def states(self) -> tuple[State, ...]:
         """What was simulated: the state at the start, and one for every revision."""
-        return tuple(state_of(told.message) for told in self.source.quiet.messages(("SimulationState",)))
+        return tuple(self.each_state())
+
+    def each_state(self) -> Iterator[State]:
+        """The same, read as they are asked for."""
+        return (state_of(told.message) for told in self.source.quiet.messages(("SimulationState",)))
 
     def blocks(self, window: Window = EVERYTHING, nodes: Sequence[str] | None = None) -> Iterator[SampleBlock]:
         """Blocks of the run in their order, as ``events`` yields them."""
@@ -100,7 +104,7 @@ class Bag:
         else:
             self._tell(groups.incomplete() if self.lost and window.whole else ())
         if before is None:
-            raise self._nothing()
+            raise self.nothing(window)
 
     def _follows(self, before: SampleBlock, block: SampleBlock) -> bool:
         """Whether a block comes after another; with a gap between them, or if it does not, it is told."""
@@ -136,7 +140,10 @@ class Bag:
             assert self.lost is not None
             self.lost(Damage(self.path.name, 0, 0, reason))
 
-    def _nothing(self) -> RecordingError:
+    def nothing(self, window: Window = EVERYTHING) -> RecordingError:
+        """Error for a bag that has no samples in a window."""
+        if not window.whole:
+            return RecordingError(f"{self.path} holds no samples {window}: info tells what it holds")
         return RecordingError(
             f"{self.path} holds no complete chunk of contact forces and stresses: give a bag of a run"
         )

@@ -1,13 +1,14 @@
-"""A whole run in memory, as arrays over its steps."""
+"""A run or a part of it in memory, as arrays over its steps."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,14 @@ from ..simulation.block import SampleBlock
 from ..simulation.summary import Summary, combine, summarise
 from ..stress.principal import maximum_principal
 from .bag_reader import Bag
+from .bag_source import Lost
 from .messages import State
 from .run_info import RunInfo
+from .window import Window
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +61,24 @@ class Recording:
         """Maximum principal stress, (samples, nodes), Pa."""
         return maximum_principal(self.stresses)
 
+    def to_pandas(self) -> DataFrame:
+        """Everything as columns over the time; units and origin are in ``attrs``.
+
+        Raises InputError if pandas is not installed (extra ``analysis``).
+        """
+        from .tables import dataframe
+
+        return dataframe(self)
+
+    def to_xarray(self) -> Dataset:
+        """Arrays by time, wheel, node and component, which are not copied; units are in ``attrs`` of each.
+
+        Raises InputError if xarray is not installed (extra ``analysis``).
+        """
+        from .tables import dataset
+
+        return dataset(self)
+
     @cached_property
     def summary(self) -> Summary:
         """Forces and stresses of the whole run in scalars."""
@@ -81,15 +106,29 @@ class Recording:
         )
 
 
-def read(path: str | Path) -> Recording:
-    """Read a whole bag, a file or a folder, into memory.
+def read(
+    path: str | Path,
+    *,
+    start: float | None = None,
+    stop: float | None = None,
+    steps: tuple[int, int | None] = (0, None),
+    nodes: Sequence[str] | None = None,
+    lost: Lost | None = None,
+) -> Recording:
+    """Read a bag, a file or a folder, into memory: all of it, or a part, of which little more is read from the disk.
 
-    Raises RecordingError in one line if it is missing, damaged, has gaps or holds no run.
+    The part is from the simulated time ``start`` up to, but not including, ``stop``, s, and of ``steps`` from the first
+    up to the second; with all stress nodes, or with ``nodes``. Without ``lost``, RecordingError is raised in one line
+    if what is read is damaged or has gaps; with it, what can be read is, and ``lost`` is told of all the rest, so that
+    ``steps`` of the recording may jump.
+
+    RecordingError, too, if the bag is missing or holds no run, or nothing of it is in the part; InputError for a part
+    that cannot be, or a node that is not there.
     """
-    bag = Bag(Path(path))
+    bag, window = Bag(Path(path), lost), _window(start, stop, steps)
     found: list[SampleBlock] = []
     states: list[State] = []
-    for event in bag.events():
+    for event in bag.events(window, nodes):
         if isinstance(event, SampleBlock):
             found.append(event)
         else:
@@ -101,23 +140,50 @@ def read(path: str | Path) -> Recording:
         return np.repeat(np.array([getattr(block, name) for block in found], dtype=dtype), counts)
 
     speed, step_period = each("speed"), each("step_period")
+    time, number = each("time") + within * step_period, each("first_step", np.uint64) + within.astype(np.uint64)
+    held = np.flatnonzero(window.holds(number, time))
+    if not len(held):
+        raise bag.nothing(window)
+    part = slice(held[0], held[-1] + 1)  # of the outer blocks
     return Recording(
         path=bag.path,
         info=bag.info,
-        states=tuple(states),
+        states=tuple(states)
+        if window.whole
+        else _in_force(bag.each_state(), int(number[part][0]), int(number[part][-1])),
         start_ns=bag.start_ns,
-        steps=each("first_step", np.uint64) + within.astype(np.uint64),
-        time=each("time") + within * step_period,
-        position=each("position") + within * (speed * step_period),
-        speed=speed,
-        step_period=step_period,
-        revision=each("revision", np.uint32),
-        forces=np.concatenate([block.forces for block in found]),
-        stresses=np.concatenate([block.stresses for block in found]),
+        steps=number[part],
+        time=time[part],
+        position=(each("position") + within * (speed * step_period))[part],
+        speed=speed[part],
+        step_period=step_period[part],
+        revision=each("revision", np.uint32)[part],
+        forces=np.concatenate([block.forces for block in found])[part],
+        stresses=np.concatenate([block.stresses for block in found])[part],
         nodes=found[0].nodes,
     )
 
 
-def blocks(path: str | Path) -> Iterator[SampleBlock]:
-    """Blocks of a bag in their order, without gaps; raises RecordingError as ``read`` does."""
-    return Bag(Path(path)).blocks()
+def blocks(
+    path: str | Path,
+    *,
+    start: float | None = None,
+    stop: float | None = None,
+    steps: tuple[int, int | None] = (0, None),
+    nodes: Sequence[str] | None = None,
+    lost: Lost | None = None,
+) -> Iterator[SampleBlock]:
+    """Blocks of a bag in their order, one at a time in memory, whole; arguments and errors are those of ``read``."""
+    return Bag(Path(path), lost).blocks(_window(start, stop, steps), nodes)
+
+
+def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> Window:
+    return Window(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
+
+
+def _in_force(states: Iterable[State], first: int, last: int) -> tuple[State, ...]:
+    """States from the one that a step begins in to another step; what comes after is not read."""
+    found: list[State] = []
+    for state in takewhile(lambda state: state.first_step <= last, states):
+        found = [state] if state.first_step <= first else [*found, state]
+    return tuple(found)

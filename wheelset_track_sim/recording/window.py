@@ -6,6 +6,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..errors import InputError
 from ..simulation.block import SampleBlock
 
@@ -29,6 +32,10 @@ class Window:
                 f"steps from {self.first_step} to {self.end_step} hold nothing: give two that rise, the first from 0"
             )
 
+    def __str__(self) -> str:
+        end = "" if self.end_step is None else f" to {self.end_step - 1}"
+        return f"from {self.start:g} s to {self.stop:g} s, in steps from {self.first_step}{end}"
+
     @property
     def whole(self) -> bool:
         """Whether it is the whole run."""
@@ -41,6 +48,11 @@ class Window:
     def over(self, step: int, time: float) -> bool:
         """Whether it has ended before a sample."""
         return time >= self.stop or (self.end_step is not None and step >= self.end_step)
+
+    def holds(self, steps: NDArray[np.uint64], times: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which samples are in it."""
+        held: NDArray[np.bool_] = (steps >= self.first_step) & (times >= self.start) & (times < self.stop)
+        return held if self.end_step is None else held & (steps < self.end_step)
 
     def touches(self, block: SampleBlock) -> bool:
         """Whether some samples of a block are in it."""
