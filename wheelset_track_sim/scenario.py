@@ -14,6 +14,7 @@ from .cache import digest
 from .errors import InputError
 from .irregularities import Breakout
 from .loads import Loads
+from .profile_points import FILES, load_points
 from .schema import Quantity, check, quantity, read
 from .shipped import load_yaml
 from .yaml12 import dump, parse
@@ -22,6 +23,7 @@ Wheel = Literal["wheel_1", "wheel_2"]
 WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 
 BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
+GAUGE = Quantity("m", 0.9, 1.8, "the gauge")
 
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""
@@ -46,6 +48,27 @@ class SetPoint:
 
 
 @dataclass(frozen=True)
+class Profiles:
+    """Lateral profiles of wheels and rails, each a name, a file or a mapping of points; ``docs/profiles.md``."""
+
+    wheel_1: Any = "cylinder"
+    wheel_2: Any = "cylinder"
+    rail_1: Any = "head_60e1"
+    rail_2: Any = "head_60e1"
+    inclination: float = quantity(
+        "", 0.0, 0.1, "the inclination of the rails to the middle of the track, such as 1/40 = 0.025", default=0.0
+    )
+    gauge: float | None = None
+    """Distance of the rails, m, 14 mm below their tops; if None, each rolling circle is over the middle of its rail."""
+
+    def __post_init__(self) -> None:
+        check(self, "profiles")
+        refusal = None if self.gauge is None else GAUGE.refusal("profiles.gauge", self.gauge)
+        if refusal:
+            raise InputError(refusal)
+
+
+@dataclass(frozen=True)
 class Scenario:
     """A wheelset on a track at a speed, or at several one after the other, with its irregularities. SI units."""
 
@@ -62,6 +85,11 @@ class Scenario:
     irregularities: tuple[Breakout, ...] = ()
     loads: Loads = field(default_factory=Loads)
     """What is superposed on the axle's stress beside the contact forces; nothing by default."""
+    profiles: Profiles = field(default_factory=Profiles)
+    lateral_offset: float = quantity(
+        "m", -0.020, 0.020, "the distance of the wheelset from the middle of the track, to the left", default=0.0
+    )
+    """Constant during a run, as in the paper (Section 2.3)."""
     output: Output = field(default_factory=Output)
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
@@ -151,15 +179,21 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
     for change in overrides:
         override(data, change)
-    _take_in(data)
+    take_in(data)
     return scenario_from(data)
 
 
-def _take_in(data: dict[str, Any]) -> None:
+def take_in(data: dict[str, Any]) -> None:
     """Put the content of files of the user's in the place of their names, so that a scenario needs no other file."""
     for model in ("wheelset", "track"):
         if isinstance(data.get(model), str) and Path(data[model]).suffix in (".yaml", ".yml", ".npz"):
             data[model] = load_yaml(f"{model}s", data[model])
+    profiles = data.get("profiles")
+    if not isinstance(profiles, dict):
+        return
+    for surface, given in profiles.items():
+        if isinstance(given, str) and Path(given).suffix in FILES:
+            profiles[surface] = load_points(surface.partition("_")[0], given).plain()
 
 
 def scenario_from(data: Mapping[str, Any]) -> Scenario:

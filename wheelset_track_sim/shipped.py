@@ -18,9 +18,14 @@ if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
 
-def names(kind: str) -> list[str]:
+def names(kind: str, suffix: str = ".yaml") -> list[str]:
     """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``, ``studies``."""
-    return sorted(entry.name.removesuffix(".yaml") for entry in _folder(kind).iterdir() if entry.name.endswith(".yaml"))
+    return sorted(entry.name.removesuffix(suffix) for entry in _folder(kind).iterdir() if entry.name.endswith(suffix))
+
+
+def text(kind: str, file: str) -> str:
+    """Content of a shipped file of a kind."""
+    return (_folder(kind) / file).read_text(encoding="utf-8")
 
 
 def load_yaml(kind: str, name_or_path: str | Path) -> Any:

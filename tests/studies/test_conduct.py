@@ -81,7 +81,7 @@ def test_histories_and_pressures_are_of_the_same_run(small, study_file) -> None:
     assert arrays["position"][arrays["irregularity"][:, 0].argmin()] == pytest.approx(1.8)
     assert not arrays["irregularity"][:, 1].any()
     for name, wheel in (("wheel_1.reference", 0), ("wheel_1.max_force", 0), ("wheel_2.max_force", 1)):
-        position, force = arrays[f"{name}.at"]
+        position, force, _ = arrays[f"{name}.at"]
         row = round((position - 1.7) / 1e-3)
         assert force == pytest.approx(arrays["forces"][row, wheel], rel=1e-6)
         element = np.diff(arrays[f"{name}.x"])[0] * np.diff(arrays[f"{name}.y"])[0]

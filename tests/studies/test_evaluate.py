@@ -50,10 +50,11 @@ def test_histories_go_through_a_change_of_speed(found: Result) -> None:
 
 def test_pressures_are_of_the_whole_run(found: Result) -> None:
     force = found.arrays["forces"][:, 0]
-    position, largest = found.arrays["wheel_1.max_force.at"]
+    position, largest, _ = found.arrays["wheel_1.max_force.at"]
     assert largest == pytest.approx(force.max(), rel=1e-6)
     assert position == pytest.approx(found.arrays["position"][force.argmax()])
     assert found.values["wheels.wheel_1.max_force"] == force.max()
-    position, at_reference = found.arrays["wheel_1.reference.at"]
+    position, at_reference, circle = found.arrays["wheel_1.reference.at"]
     assert position == pytest.approx(1.8)
+    assert circle == 0.0
     assert at_reference == pytest.approx(force[1000], rel=1e-6)

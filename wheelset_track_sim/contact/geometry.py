@@ -16,9 +16,9 @@ from .profiles import Profile, RailHead, Straight
 OUTWARDS = (-1.0, 1.0)
 """Which way the field side is under wheel 1, on the right, and wheel 2, on the left: y is positive to the left."""
 
-STEEPEST = 0.15
+STEEPEST = 0.2
 """Largest angle between contact and track plane, rad. The contact is solved as if it were 0: of a force that is normal
-to the surfaces, 1.1 % less is vertical at this angle, and 15 % is lateral, which is left out."""
+to the surfaces, 2 % less is vertical at this angle, and 20 % is lateral, which is left out."""
 NEAR = 1e-4
 """Surfaces that are nearer than this where wheel and rail touch bear, too, under usual loads, m."""
 FINE = 1e-5
@@ -97,7 +97,7 @@ class Pair:
             end = self.span[side]
             for profile, at in ((self.wheel, end - self.shift), (self.rail, end)):
                 if profile.open_ends[side] and abs(profile.span[side] - at) < 1e-12:
-                    gaps.append(float(self.gap(self.fine[0][-side])))
+                    gaps.append(float(self.gap(self.fine[0][-2 if side else 1])))
         return min(gaps)
 
     @property
@@ -109,10 +109,10 @@ class Pair:
 
     @property
     def sharpest(self) -> float:
-        """A relative radius, m, that needs a larger approach for any force than these profiles do."""
+        """A relative radius, m, that needs a larger approach for a force than these profiles do."""
         if isinstance(self.wheel, Straight) and isinstance(self.rail, RailHead):
             return min(self.rail.radii[:2])
-        return float(np.clip(0.5 * min(min(self._secant(at)) for at in np.arange(2, 16) * 1e-3), 0.01, 5.0))
+        return float(np.clip(0.75 * min(min(self._secant(at)) for at in np.arange(2, 9) * 1e-3), 0.01, 5.0))
 
     def _secant(self, distance: float) -> list[float]:
         """Radius of the parabolas through the point of contact and the gaps at a distance to its sides, m."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.geometry import ContactGeometry
 from ..contact.law import approach_for_force, build_contact_law, solve_patch
 from ..irregularities import Breakout
 from ..scenario import WHEELS, Scenario
+from ..simulation.surfaces import contact_geometry
 from ..structures.wheelsets import load_any_wheelset
 
 MARGIN = 2
@@ -29,11 +29,13 @@ class ContactMap:
     x: NDArray[np.float64]
     """Of the elements, from the middle of the contact area, (nx,), m, ahead positive."""
     y: NDArray[np.float64]
-    """(ny,), m, to the left positive."""
+    """From the middle of the rail's head, (ny,), m, to the left positive."""
     size: tuple[float, float]
     """Extent along and across, m."""
     defects: tuple[tuple[float, Breakout], ...]
     """How far ahead the centre is, m, and the defect; those that reach into the picture."""
+    rolling_circle: float = 0.0
+    """Where the rolling circle, from which defects count, is over the rail, m."""
 
 
 def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> ContactMap:
@@ -42,9 +44,10 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
     Of all approaches of two bodies one bears the force, so nothing of the run is simulated again. Raises InputError
     for a wheelset that cannot be read and ContactError for a force that the contact cannot bear.
     """
-    radius, dx = load_any_wheelset(scenario.wheelset).rolling_radius, scenario.step_length
-    around = round(2 * math.pi * radius / dx)
-    law = build_contact_law(scenario.irregularities, ContactGeometry(wheel_radius=radius), dx, around, tables=False)
+    wheelset, dx = load_any_wheelset(scenario.wheelset), scenario.step_length
+    around = round(2 * math.pi * wheelset.rolling_radius / dx)
+    geometry = contact_geometry(scenario, wheelset)
+    law = build_contact_law(scenario.irregularities, geometry, dx, around, tables=False)
     tread_step = step - round(scenario.reference_position / dx)
     patch = solve_patch(law, wheel, tread_step, step, approach_for_force(law, wheel, tread_step, step, force))
     part_x, part_y = (_shown(patch.pressure.max(axis=axis) > 0) for axis in (1, 0))
@@ -58,7 +61,8 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
     size = tuple(
         float((patch.pressure.max(axis=axis) > 0).sum() * (line[1] - line[0])) for axis, line in ((1, x), (0, y))
     )
-    return ContactMap(patch.force, patch.pressure[part_x, part_y], x, y, (size[0], size[1]), tuple(defects))
+    circle = geometry.rolling_circle(wheel)
+    return ContactMap(patch.force, patch.pressure[part_x, part_y], x, y, (size[0], size[1]), tuple(defects), circle)
 
 
 def _shown(touched: NDArray[np.bool_]) -> slice:

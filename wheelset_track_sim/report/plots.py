@@ -147,7 +147,7 @@ def pressure_plot(contact: ContactMap) -> figure:
         toolbar_location=None,
         match_aspect=True,
         x_axis_label="along the track, ahead positive (mm)",
-        y_axis_label="across, to the left positive (mm)",
+        y_axis_label="from the middle of the rail, to the left (mm)",
         tools="",
     )
     shown = np.where(pressure > 0, pressure, np.nan).T
@@ -167,7 +167,7 @@ def pressure_plot(contact: ContactMap) -> figure:
     for ahead, defect in contact.defects:
         rim_x, rim_y = (
             1e3 * (ahead + defect.a * np.cos(angle)),
-            1e3 * (defect.y + defect.b * np.sin(angle)),
+            1e3 * (contact.rolling_circle + defect.y + defect.b * np.sin(angle)),
         )
         plot.line(rim_x, rim_y, line_color="#8c8c94", line_dash=[4, 3])
     plot.add_layout(

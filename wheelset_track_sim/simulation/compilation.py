@@ -59,7 +59,7 @@ def compile_kernels() -> None:
     from .summary import summarise
 
     scenario = load_scenario("undamaged")
-    wheelset, track = described(scenario)
+    wheelset, track, _ = described(scenario)
     nodes = scenario.output.stress_nodes
     two_modes = ReducedWheelset(
         poles=np.array([-1 + 50j, -1 + 90j]),

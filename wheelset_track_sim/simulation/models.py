@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Literal
 
@@ -22,11 +22,13 @@ from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track, load_track
 from ..structures.track_balance import moving_track
 from ..structures.track_ring import MAX_FREQUENCY
+from ..structures.wheelset import Wheelset
 from ..structures.wheelsets import AnyWheelset, load_any_wheelset, reduce_wheelset
 from .causal import causal_model, truncated
 from .compilation import compiled_meanwhile
 from .dynamics import DynamicsModel
 from .paper import paper_model
+from .surfaces import contact_geometry
 
 Progress = Callable[[str, float], None]
 
@@ -66,7 +68,7 @@ class Models:
 
     def digest(self, scenario: Scenario) -> str:
         """Digest of a scenario with the content of its models, and of the program's version."""
-        return digest([__version__, scenario.to_mapping(), self.wheelset, self.track])
+        return digest([__version__, scenario.to_mapping(), self.wheelset, self.track, self.geometry])
 
 
 def with_own_state(law: ContactLaw) -> ContactLaw:
@@ -74,8 +76,11 @@ def with_own_state(law: ContactLaw) -> ContactLaw:
     return law._replace(in_contact=np.zeros_like(law.in_contact))
 
 
-def described(scenario: Scenario) -> tuple[AnyWheelset, Track]:
-    """Wheelset and track that a scenario names; raises InputError for one that cannot be used, before it is built."""
+def described(scenario: Scenario) -> tuple[AnyWheelset, Track, ContactGeometry]:
+    """Wheelset, touched where its profiles touch the rails, track and contact geometry of a scenario, to be built.
+
+    Raises InputError for one that cannot be used.
+    """
     wheelset, track = load_any_wheelset(scenario.wheelset), load_track(scenario.track)
     dx = scenario.step_length
     bay = track.spacing / dx
@@ -84,7 +89,11 @@ def described(scenario: Scenario) -> tuple[AnyWheelset, Track]:
             f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
             f"give {track.spacing / math.ceil(bay):g} m"
         )
-    return wheelset, track
+    geometry = contact_geometry(scenario, wheelset)
+    if isinstance(wheelset, Wheelset):
+        shifts = geometry.touch(0) - geometry.rolling_circle(0), geometry.touch(1) - geometry.rolling_circle(1)
+        wheelset = replace(wheelset, contact_shifts=shifts)
+    return wheelset, track, geometry
 
 
 def load_models(
@@ -100,7 +109,7 @@ def load_models(
 
 
 def _models(scenario: Scenario, progress: Progress | None, tables: bool | Literal["smooth"]) -> Models:
-    wheelset, track = described(scenario)
+    wheelset, track, geometry = described(scenario)
     dx = scenario.step_length
     reduced = reduce_wheelset(wheelset, progress)
     nodes, band, lag_zero = scenario.output.stress_nodes, scenario.max_frequency, scenario.at_lag_zero
@@ -117,7 +126,7 @@ def _models(scenario: Scenario, progress: Progress | None, tables: bool | Litera
         reduced=reduced,
         track=track,
         dynamics=dynamics,
-        geometry=ContactGeometry(wheel_radius=reduced.rolling_radius),
+        geometry=geometry,
         step_length=dx,
         steps_per_revolution=round(2 * math.pi * reduced.rolling_radius / dx),
         tread_origin=round(scenario.reference_position / dx),

@@ -224,8 +224,8 @@ class Simulator:
     def _preload_for(self, scenario: Scenario) -> NDArray[np.float64]:
         smooth = self._models.contact_law(())
         load = scenario.wheel_load
-        displaced = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
-        return displaced + approach_for_force(smooth, 0, 0, 0, load)
+        preload: NDArray[np.float64] = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
+        return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""

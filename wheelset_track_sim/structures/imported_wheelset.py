@@ -127,6 +127,11 @@ class ImportedWheelset:
             _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
 
     @property
+    def rolling_circles(self) -> tuple[float, float]:
+        """Of wheels 1 and 2: y, m."""
+        return self.contacts[0], self.contacts[1]
+
+    @property
     def places(self) -> dict[str, float]:
         """Y of the parts at which a torque can act, m."""
         wheel_1, wheel_2 = self.contacts

@@ -19,6 +19,9 @@ from .stress_node import StressNode, check_stress_nodes
 from .wheelset_equipment import Equipment, PointMass, Ring, clear_of_each_other
 from .wheelset_parts import Axle, AxleBoxes, BrakeDiscs, Checked, Gearbox, Material, Wheel, increasing
 
+LARGEST_SHIFT = 0.035
+"""Of a contact from the rolling circle, m: nearer to flange or rim no contact is solved."""
+
 
 @dataclass(frozen=True)
 class MeshSize(Checked):
@@ -49,8 +52,15 @@ class Wheelset:
     """Further rings and masses on the axle."""
     stress_nodes: tuple[StressNode, ...] = ()
     mesh: MeshSize = MeshSize()
+    contact_shifts: tuple[float, float] = (0.0, 0.0)
+    """Where the rails touch wheels 1 and 2, from their rolling circles, to the left positive, m."""
 
     def __post_init__(self) -> None:
+        for shift in self.contact_shifts:
+            if not abs(shift) <= LARGEST_SHIFT:
+                raise InputError(
+                    f"contact_shifts has {shift:g} m: give distances from the rolling circles up to {LARGEST_SHIFT:g} m"
+                )
         check_stress_nodes(self.stress_nodes, self.axle, self.attached)
         for side in (-1, 1):
             low, high = sorted((side * self.wheel.hub_inner, side * self.wheel.hub_outer))
@@ -112,9 +122,15 @@ class Wheelset:
         return self.gearbox.y - self.gearbox.length / 2, self.gearbox.y + self.gearbox.length / 2
 
     @property
-    def contact_positions(self) -> tuple[float, float]:
-        """Nominal contact points of wheels 1 and 2: y, m."""
+    def rolling_circles(self) -> tuple[float, float]:
+        """Of wheels 1 and 2: y, m."""
         return -self.wheel.contact, self.wheel.contact
+
+    @property
+    def contact_positions(self) -> tuple[float, float]:
+        """Contact points of wheels 1 and 2: y, m."""
+        first, second = self.rolling_circles
+        return first + self.contact_shifts[0], second + self.contact_shifts[1]
 
 
 def load_wheelset(source: str | Path | Mapping[str, Any] | Wheelset) -> Wheelset:

@@ -79,7 +79,7 @@ class Result:
     arrays: dict[str, Real]
     """Histories: ``position`` (n,) m along the track, ``forces`` (n, 2) N, ``principal`` (n, nodes) Pa,
     ``displacements`` (n, 2, 2) m, ``irregularity`` (n, 2) m. Pressures: ``wheel_1.reference.pressure`` (nx, ny) Pa with
-    ``.x`` and ``.y`` in m and ``.at``: position in m and force in N."""
+    ``.x`` and ``.y`` in m and ``.at``: position in m, force in N, y of the rolling circle in m."""
 
 
 @cache
@@ -156,9 +156,12 @@ def history(name: str, simulator: Simulator, block: SampleBlock) -> Real:
     common, scenario = simulator.models, simulator.in_force
     turn = common.steps_per_revolution
     at = (block.first_step + np.arange(len(block)) - common.tread_origin) % turn
-    middle = np.zeros(1)
+    places = [common.geometry.touch(wheel) - common.geometry.rolling_circle(wheel) for wheel in (0, 1)]
     heights: Real = np.stack(
-        [tread_heights(scenario.irregularities, wheel, turn, common.step_length, middle)[at, 0] for wheel in WHEELS],
+        [
+            tread_heights(scenario.irregularities, wheel, turn, common.step_length, np.array([y]))[at, 0]
+            for wheel, y in zip(WHEELS, places, strict=True)
+        ],
         axis=1,
     )
     return heights
@@ -167,7 +170,7 @@ def history(name: str, simulator: Simulator, block: SampleBlock) -> Real:
 def pressure(name: str, simulator: Simulator, block: SampleBlock, found: Real | None) -> dict[str, Real]:
     """Contact pressure at one instant, if it is in the latest block.
 
-    ``found`` is position and force of the largest one in the blocks before, if there were any.
+    ``found`` is ``.at`` of the largest one in the blocks before, if there were any.
     """
     wheel_name, instant = name.split(".")
     wheel = WHEELS.index(wheel_name)
@@ -185,5 +188,5 @@ def pressure(name: str, simulator: Simulator, block: SampleBlock, found: Real | 
         f"{name}.pressure": patch.pressure,
         f"{name}.x": patch.x,
         f"{name}.y": patch.y,
-        f"{name}.at": np.array([position, patch.force]),
+        f"{name}.at": np.array([position, patch.force, simulator.models.geometry.rolling_circle(wheel)]),
     }

@@ -62,7 +62,7 @@ class PressureMaps:
                     mesh = self._map(axes, results, number, name, peak)
                     axes.set_xlim(-half_x, half_x)
                     axes.set_ylim(-half_y, half_y)
-                row[0].set_ylabel("lateral (mm)")
+                row[0].set_ylabel("lateral, from the middle of the rail (mm)")
             for axes in grid[-1]:
                 axes.set_xlabel("along the track, from the contact point (mm)")
             figure.colorbar(mesh, ax=grid, label="contact pressure (GPa)", shrink=0.6)
@@ -70,7 +70,7 @@ class PressureMaps:
 
     def _map(self, axes: Axes, results: Results, number: int, name: str, peak: float) -> QuadMesh:
         run, arrays = results.runs[number], results.found[number].arrays
-        pressure, (position, force) = arrays[f"{name}.pressure"], arrays[f"{name}.at"]
+        pressure, (position, force, circle) = arrays[f"{name}.pressure"], arrays[f"{name}.at"]
         shown = np.where(pressure > LEAST * peak, pressure, np.nan)
         x, y = 1e3 * arrays[f"{name}.x"], 1e3 * arrays[f"{name}.y"]
         mesh = axes.pcolormesh(x, y, shown.T / 1e9, vmin=0, vmax=peak / 1e9, cmap="inferno_r", shading="nearest")
@@ -79,7 +79,10 @@ class PressureMaps:
         for defect in run.scenario.irregularities:
             if defect.on == self.wheel and defect.angle == 0:
                 rim: Any = {"fill": False, "linestyle": (0, (4, 3)), "linewidth": 0.9, "edgecolor": "#444444"}
-                centre = (-behind, 1e3 * defect.y)  # what met the rail before is behind the contact point now
+                centre = (
+                    -behind,
+                    1e3 * (circle + defect.y),
+                )  # what met the rail before is behind the contact point now
                 axes.add_patch(Ellipse(centre, 2e3 * defect.a, 2e3 * defect.b, **rim))
         axes.set_aspect("equal")
         instant = f"{run.label}, {MEANING[name.split('.')[1]]}"

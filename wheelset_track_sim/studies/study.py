@@ -12,7 +12,7 @@ from typing import Any, Literal
 from .. import shipped
 from ..cache import digest
 from ..errors import InputError
-from ..scenario import Scenario, assign, load_scenario, override, scenario_from
+from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
 from ..schema import check, quantity, read, unknown
 from ..simulation.models import described
 from .axes import Axis, Point, read_axis
@@ -146,6 +146,7 @@ class Study:
             for model in ("wheelset", "track"):
                 if isinstance(data[model], str) and data[model] not in shipped.names(f"{model}s"):
                     data[model] = shipped.load_yaml(f"{model}s", data[model])  # a worker may not have the file
+            take_in(data)
             scenario = scenario_from(data)
             models, nodes = described(scenario)
             self._check(scenario, nodes)
@@ -177,10 +178,11 @@ class _Described:
 
     def __call__(self, scenario: Scenario) -> tuple[str, list[str]]:
         """Raises InputError for models that cannot be used."""
-        named = digest([scenario.wheelset, scenario.track, scenario.step_length])
+        parts = [scenario.wheelset, scenario.track, scenario.step_length, scenario.profiles, scenario.lateral_offset]
+        named = digest(parts)
         if named not in self._known:
-            wheelset, track = described(scenario)
-            self._known[named] = digest([wheelset, track]), [node.name for node in wheelset.stress_nodes]
+            wheelset, track, geometry = described(scenario)
+            self._known[named] = digest([wheelset, track, geometry]), [node.name for node in wheelset.stress_nodes]
         return self._known[named]
 
 
