@@ -107,6 +107,8 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument(
         "--threshold", type=float, metavar="N", help="contact force that makes an impact (default: 200e3)"
     )
+    report.add_argument("--measured", type=Path, metavar="FILE", help="CSV file or bag to show beside the run")
+    report.add_argument("--lag", type=float, metavar="S", help="zero of what was measured in the run, about, s or m")
     report.set_defaults(command=_report)
 
     replay = commands.add_parser(
@@ -143,6 +145,28 @@ def _parser() -> argparse.ArgumentParser:
     info.add_argument("bag", type=Path, metavar="BAG", help="an .mcap file or a bag folder")
     info.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
     info.set_defaults(command=_info)
+
+    compare = commands.add_parser("compare", help="a bag beside measured wheel forces or axle stresses")
+    compare.add_argument("bag", type=Path, metavar="BAG", help="an .mcap file or a bag folder")
+    compare.add_argument("measured", type=Path, metavar="FILE", help="a CSV file or a bag")
+    compare.add_argument(
+        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
+    )
+    compare.add_argument(
+        "--threshold", type=float, metavar="N", help="contact force that makes an impact (default: 200e3)"
+    )
+    compare.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+    compare.set_defaults(command=_compare)
+
+    stress = commands.add_parser("stress", help="axle stresses from wheel forces alone")
+    stress.add_argument("forces", type=Path, metavar="FORCES.csv", help="forces of both wheels over time or position")
+    names = ", ".join(shipped.names("wheelsets"))
+    stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
+    stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
+    stress.add_argument("--speed", type=float, metavar="V", help="m/s, for forces over the position and for bags")
+    stress.add_argument("--out", type=Path, metavar="FILE", help="write stresses as .csv, or all as .mcap")
+    stress.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+    stress.set_defaults(command=_stress)
 
     demo = commands.add_parser("demo", help="stream, record and report the paper's Section 5.1 through the ROS 2 node")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
@@ -203,7 +227,7 @@ def _report(options: argparse.Namespace) -> int:
     from .simulation.impacts import ImpactSettings
 
     settings = None if options.threshold is None else ImpactSettings(options.threshold)
-    return report(options.bag, options.out, settings)
+    return report(options.bag, options.out, settings, options.measured, options.lag)
 
 
 def _replay(options: argparse.Namespace) -> int:
@@ -239,6 +263,22 @@ def _info(options: argparse.Namespace) -> int:
     from .commands.info import info
 
     return info(options.bag, json=options.json)
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from .commands.compare import compared
+    from .measured import Matching
+
+    given = {"lag": options.lag, "threshold": options.threshold}
+    matching = Matching(**{name: value for name, value in given.items() if value is not None})
+    return compared(options.bag, options.measured, matching, json=options.json)
+
+
+def _stress(options: argparse.Namespace) -> int:
+    from .commands.stress import stress
+
+    nodes = [name.strip() for name in options.nodes.split(",")] if options.nodes else None
+    return stress(options.forces, options.wheelset, nodes, options.speed, options.out, json=options.json)
 
 
 def _demo(options: argparse.Namespace) -> int:

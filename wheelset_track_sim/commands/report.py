@@ -7,12 +7,25 @@ from pathlib import Path
 from rich.console import Console
 
 from ..errors import InputError
+from ..measured import Matching, compare
+from ..measured.reading import read_measurement
+from ..recording import Bag
 from ..report import plot_run, summary_table, survey
 from ..simulation.impacts import ImpactSettings
 
 
-def report(bag: Path, out: Path | None, settings: ImpactSettings | None = None) -> int:
-    """Write the page and the picture, print the table; returns the exit status."""
+def report(
+    bag: Path,
+    out: Path | None,
+    settings: ImpactSettings | None = None,
+    measured: Path | None = None,
+    lag: float | None = None,
+) -> int:
+    """Write the page and the picture, print the table; returns the exit status.
+
+    ``measured`` is a file of measured loads or stresses, which the page shows beside the run with its zero at
+    ``lag``, about.
+    """
     try:
         from ..report.page import write_report
     except ModuleNotFoundError as missing:
@@ -21,10 +34,14 @@ def report(bag: Path, out: Path | None, settings: ImpactSettings | None = None) 
         raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
     page = out or bag.with_suffix(".html")
     run = survey(bag, settings)
+    comparison = None
+    if measured is not None:
+        matching = Matching(lag=lag, threshold=(settings or ImpactSettings()).threshold)
+        comparison = compare(Bag(bag).blocks(), read_measurement(measured), matching)
     console = Console()
     console.print(summary_table(run))
     picture = page.with_suffix(".png")
     plot_run(run, picture)
-    write_report(run, page)
+    write_report(run, page, comparison)
     console.print(f"picture {picture}\npage    {page}", highlight=False, soft_wrap=True)
     return 0

@@ -1,12 +1,13 @@
 """How far two records of the same event are apart on their axis, by cross-correlation.
 
 For each lag the coefficient is that of Pearson over the samples that both have then, the mean of all signals. Its
-maximum is searched for over whole steps first, and between them by resampling one record (``shifted``).
+maximum is searched for over quarters of steps first, and between them by resampling one record (``shifted``).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.fft import next_fast_len
 from scipy.optimize import minimize_scalar
 
 from ..errors import InputError
-from .resampling import shifted
+from .resampling import band_limited, shifted
 
 Real = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ OVERLAP = 0.5
 """Share of the shorter record that both must have."""
 ALIKE = 0.5
 """Coefficient below which two records have nothing in common that tells their lag."""
+FINER = 4
+"""Lags a step that are tried first: at whole ones a wave near the end of the band may be missed by half its length."""
 DISTINCT = 0.95
 """Share of the best coefficient that another lag may come to: two that are as good as each other tell none."""
 
@@ -40,18 +43,25 @@ class Lag:
     """Standard deviation of ``steps`` if what the records do not share is white noise in their band."""
 
 
-def align(first: Real, second: Real, within: tuple[float, float] = (-math.inf, math.inf)) -> Lag:
+def align(
+    first: Real,
+    second: Real,
+    within: tuple[float, float] = (-math.inf, math.inf),
+    shown: Callable[[float], str] = "{:g} steps".format,
+) -> Lag:
     """Lag of ``second`` (m, signals) on ``first`` (n, signals), which have one step and are sampled in one band.
 
-    Only lags ``within`` bounds, in steps, are looked at. Raises InputError if the records have nothing in common, or if
-    several lags are as good as each other.
+    Only lags ``within`` bounds, in steps, are looked at; ``shown`` tells people a lag. Raises InputError if the records
+    have nothing in common, or if several lags are as good as each other.
     """
-    lags, coefficients = _coefficients(first, second)
+    finer = (band_limited(of, np.arange((len(of) - 1) * FINER + 1) / FINER) for of in (first, second))
+    tried, coefficients = _coefficients(*finer)
+    lags = tried / FINER
     least, most = within
     allowed = (lags >= least) & (lags <= most) & np.isfinite(coefficients)
     if not allowed.any():
         raise InputError(
-            f"no lag from {least:g} to {most:g} steps lets the records have half of the shorter one in common: "
+            f"no lag from {shown(least)} to {shown(most)} lets the records have half of the shorter one in common: "
             "give another lag"
         )
     coefficients = np.where(allowed, coefficients, -np.inf)
@@ -65,10 +75,10 @@ def align(first: Real, second: Real, within: tuple[float, float] = (-math.inf, m
     other = _outside(coefficients, best)
     if other is not None and coefficients[other] > DISTINCT * highest:
         raise InputError(
-            f"the lag is ambiguous: {lags[best]} and {lags[other]} steps give a correlation of {highest:.3f} and "
-            f"{coefficients[other]:.3f}: give the lag about, or a record with more that does not repeat"
+            f"the lag is ambiguous: {shown(lags[best])} and {shown(lags[other])} give a correlation of {highest:.3f} "
+            f"and {coefficients[other]:.3f}: give the lag about, or a record with more that does not repeat"
         )
-    steps, refined = _between(first, second, int(lags[best]))
+    steps, refined = _between(first, second, float(lags[best]))
     second_best = math.nan if other is None else float(coefficients[other])
     return Lag(steps, refined, second_best, _uncertainty(first, second, steps))
 
@@ -123,14 +133,14 @@ def _overlapping(first: Real, second: Real, steps: float) -> tuple[Real, Real]:
     return first[start:end], shifted(second, start, end, steps)
 
 
-def _between(first: Real, second: Real, lag: int) -> tuple[float, float]:
-    """The best lag within a step of a whole one, and its coefficient."""
+def _between(first: Real, second: Real, lag: float) -> tuple[float, float]:
+    """The best lag near one that was tried, and its coefficient."""
 
     def loss(steps: float) -> float:
         ours, theirs = _overlapping(first, second, steps)
         return -float(np.mean([correlation(x, y) for x, y in zip(ours.T, theirs.T, strict=True)]))
 
-    found = minimize_scalar(loss, bounds=(lag - 1.0, lag + 1.0), method="bounded", options={"xatol": 1e-4})
+    found = minimize_scalar(loss, bounds=(lag - 1 / FINER, lag + 1 / FINER), method="bounded", options={"xatol": 1e-4})
     return float(found.x), -float(found.fun)
 
 

@@ -100,7 +100,13 @@ def compare(blocks: Iterable[SampleBlock], measurement: Measurement, matching: M
     if matching.lag is not None:
         middle = (matching.lag + record.start - simulation.start) / step
         within = middle - matching.reach / step, middle + matching.reach / step
-    found = align(simulated, record.at(record_grid, step), within)
+
+    def lag_of(steps: float) -> float:
+        return simulation.start - record.start + steps * step
+
+    found = align(
+        simulated, record.at(record_grid, step), within, lambda steps: f"{lag_of(steps):.4f} {UNITS[measurement.axis]}"
+    )
     first, end = max(0, math.ceil(found.steps)), min(len(grid), math.floor(found.steps + len(record_grid) - 1) + 1)
     simulated, measured = simulated[first:end], record.at(grid[first:end] - found.steps * step, step)
     axis = simulation.start + grid[first:end]
@@ -113,7 +119,7 @@ def compare(blocks: Iterable[SampleBlock], measurement: Measurement, matching: M
         names=names,
         measured=measured,
         simulated=simulated,
-        lag=simulation.start - record.start + found.steps * step,
+        lag=lag_of(found.steps),
         quality=found,
         step=step,
         left_out=tuple(name for name in measurement.signals if name not in names),

@@ -152,9 +152,7 @@ def _numbers(path: Path, lines: Iterable[tuple[int, str]], separator: str, colum
                 raise InputError(f"{where}: {cell.strip()!r} is not a finite number: correct it or leave the line out")
             row.append(value)
         if row[0] <= before:
-            raise InputError(
-                f"{where}: {row[0]:g} does not lie behind the {before:g} before: give an axis that increases"
-            )
+            raise InputError(f"{where}: {row[0]:g} is not behind the {before:g} before it: give an axis that increases")
         before = row[0]
         rows.append(row)
     return np.array(rows).T if rows else np.zeros((columns, 0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -43,7 +44,8 @@ def paired(name: str, at: Real, measured: Real, simulated: Real, threshold: floa
     for peak in ours:
         near = [other for other in theirs if abs(at[other] - at[peak]) <= separation]
         match = min(near, key=lambda other: abs(at[other] - at[peak]), default=None)
-        found.append(Pair(name, float(at[peak]), float(measured[peak]), np.nan if match is None else simulated[match]))
+        theirs_there = math.nan if match is None else float(simulated[match])
+        found.append(Pair(name, float(at[peak]), float(measured[peak]), theirs_there))
         theirs = [other for other in theirs if other != match]
-    found += [Pair(name, float(at[peak]), np.nan, float(simulated[peak])) for peak in theirs]
+    found += [Pair(name, float(at[peak]), math.nan, float(simulated[peak])) for peak in theirs]
     return sorted(found, key=lambda pair: pair.at)

@@ -92,13 +92,14 @@ def band_limited(signals: Real, places: Real, band_step: float = 1.0) -> Real:
 
 
 def shifted(signals: Real, start: int, end: int, steps: float) -> Real:
-    """``band_limited`` at the places from ``start`` to before ``end``, less ``steps``: (end - start, signals)."""
+    """``band_limited`` at the places from ``start`` to before ``end``, less ``steps``: (end - start, signals).
+
+    All of them lie between the first sample and the last.
+    """
     whole = math.floor(-steps)
     taps = np.arange(-REACH, REACH + 2, dtype=np.float64)
     weights = _weights((taps - (-steps - whole))[np.newaxis])[0]
-    padded = _padded(signals, REACH + len(signals))
-    first = start + whole + len(signals)
-    part = padded[max(0, first) : first + end - start + len(weights) - 1]
+    part = _padded(signals, REACH)[start + whole : end + whole + len(weights) - 1]
     return np.stack([np.convolve(column, weights[::-1], "valid") for column in part.T], axis=-1)
 
 

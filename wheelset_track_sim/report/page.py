@@ -12,8 +12,9 @@ from bokeh.models.layouts import LayoutDOM
 from bokeh.resources import Resources
 
 from ..errors import ContactError, InputError
+from ..measured import Comparison
 from ..scenario import Scenario
-from . import plots, sections
+from . import measured, plots, sections
 from .assets import STYLE, asset
 from .contact_map import ContactMap, contact_map
 from .survey import Survey
@@ -23,8 +24,11 @@ SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-in
 """The browser itself sees to it that the page asks no one for anything."""
 
 
-def write_report(run: Survey, out: Path) -> Path:
-    """Write the page of a run to ``out`` and return it; raises InputError if the path cannot be written."""
+def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -> Path:
+    """Write the page of a run to ``out`` and return it, with a section on what was measured if there is a comparison.
+
+    Raises InputError if the path cannot be written.
+    """
     name = escape(run.info.scenario_name)
     library = "".join(
         f"<script>{text}</script>\n" for text in Resources(mode="inline", components=["bokeh"], log_level="warn").js_raw
@@ -44,7 +48,7 @@ def write_report(run: Survey, out: Path) -> Path:
 <h1>{name}</h1>
 <p>{escape(description(run))}</p>
 <noscript><p>The plots need JavaScript; the tables do not.</p></noscript>
-{"".join(_sections(run))}
+{"".join(_sections(run, comparison))}
 {library}<script>
 {asset("page.js")}</script>
 </body>
@@ -58,10 +62,12 @@ def write_report(run: Survey, out: Path) -> Path:
     return out
 
 
-def _sections(run: Survey) -> Iterator[str]:
+def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
     yield sections.peaks(run)
     yield sections.over_time(run, _plot(plots.time_plots(run), "time-plots"))
     yield sections.impacts(run)
+    if comparison:
+        yield measured.section(comparison, _plot(measured.measured_plots(comparison), "measured-plots"))
     scenario = run.scenario_in_force(run.peak.revision)
     found = _contact(run, scenario) if scenario else None
     if found:

@@ -62,16 +62,16 @@ def time_plots(run: Survey) -> LayoutDOM:
     shown = ColumnDataSource({"time": np.array([run.start, end])} | extremes, name="shown")
     time = Range1d(run.start, end, bounds=(run.start, end), min_interval=1e-3, name="time")
 
-    forces = _over_time("contact force (kN)", time, 320)
-    _curves(forces, shown, range(WHEELS), names, "kN")
+    forces = over_an_axis("contact force (kN)", time, 320)
+    curves(forces, shown, range(WHEELS), names, "kN")
     if not math.isnan(run.wheel_load):
         forces.add_layout(Span(location=run.wheel_load / 1e3, dimension="width", **MARK))
     _mark_impacts(forces, run)
-    stresses = _over_time("max. principal stress (MPa)", time, 320)
-    _curves(stresses, shown, range(WHEELS, len(names)), names, "MPa")
+    stresses = over_an_axis("max. principal stress (MPa)", time, 320)
+    curves(stresses, shown, range(WHEELS, len(names)), names, "MPa")
     plots = [forces, stresses]
     if len(run.speeds) > 1:
-        speed = _over_time("speed (km/h)", time, 180)
+        speed = over_an_axis("speed (km/h)", time, 180)
         since, speeds = zip(*run.speeds, strict=True)
         speed.step(
             [*since, end],
@@ -94,7 +94,7 @@ def time_plots(run: Survey) -> LayoutDOM:
     time.js_on_change("start", refine)
     time.js_on_change("end", refine)
     forces.js_on_change("inner_width", refine)
-    return _below_one_another(plots)
+    return below_one_another(plots)
 
 
 def spectrum_plots(run: Survey, spectrum: Spectrum, marks: Iterable[tuple[float, str]]) -> LayoutDOM:
@@ -123,7 +123,7 @@ def spectrum_plots(run: Survey, spectrum: Spectrum, marks: Iterable[tuple[float,
             tools="",
         )
         plot.yaxis.axis_label = title
-        _curves(plot, source, part, names, unit, x="frequency", digits="0.00e+0")
+        curves(plot, source, part, names, unit, x="frequency", digits="0.00e+0")
         for number, (at, name) in enumerate(marks):
             plot.add_layout(Span(location=at, dimension="height", **MARK))
             text: Any = {"text_font_size": "11px", "x_offset": 3, "y_units": "screen"}
@@ -131,7 +131,7 @@ def spectrum_plots(run: Survey, spectrum: Spectrum, marks: Iterable[tuple[float,
         _finish(plot)
         plots.append(_zoomable(plot))
     plots[-1].xaxis.axis_label = "frequency (Hz)"
-    return _below_one_another(plots)
+    return below_one_another(plots)
 
 
 def pressure_plot(contact: ContactMap) -> figure:
@@ -177,22 +177,23 @@ def pressure_plot(contact: ContactMap) -> figure:
     return plot
 
 
-def _over_time(title: str, time: Range1d, height: int) -> figure:
-    plot = figure(x_range=time, height=height, tools="")
+def over_an_axis(title: str, axis: Range1d, height: int) -> figure:
+    """Empty plot over an axis that others may share."""
+    plot = figure(x_range=axis, height=height, tools="")
     plot.yaxis.axis_label = title
     plot.y_range.range_padding = 0.06
     _finish(plot)
     return _zoomable(plot)
 
 
-def _below_one_another(plots: list[figure]) -> LayoutDOM:
+def below_one_another(plots: list[figure]) -> LayoutDOM:
     """Plots with one toolbar for all."""
     rows = [[plot] for plot in plots]
     grid: LayoutDOM = gridplot(rows, sizing_mode="stretch_width", merge_tools=True, toolbar_options={"logo": None})
     return grid
 
 
-def _curves(
+def curves(
     plot: figure,
     source: ColumnDataSource,
     part: Sequence[int],
