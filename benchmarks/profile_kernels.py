@@ -47,7 +47,7 @@ def look_ups(law: Any, tread: int, approach: np.ndarray, found: np.ndarray) -> N
     """Both contacts from their tables; the approach (n, 2) is that of a run, so that branches are its own."""
     for i in range(len(approach)):
         for wheel in range(2):
-            found[i, wheel] = tabulated_force(law, wheel, tread + i, approach[i, wheel], 0.0)
+            found[i, wheel] = tabulated_force(law, wheel, (tread + i) % law.table.shape[1], 0, approach[i, wheel], 0.0)
 
 
 @summing

@@ -43,10 +43,10 @@ class RoughRun(NamedTuple):
 
 def rough_law(models: Models, level: float = 0.0) -> ContactLaw:
     """Contact law of two rough treads and rails, all different, each ``level`` dB above the limit of ISO 3095."""
+    seeds = {"wheel_1": 1, "wheel_2": 2, "rail_1": 11, "rail_2": 12}
+    rough = [Roughness(on, seed=seed, level=level) for on, seed in seeds.items()]
     dx, turn = models.step_length, models.steps_per_revolution
-    treads = [Roughness(f"wheel_{wheel}", turn * dx, seed=wheel, level=level) for wheel in (1, 2)]
-    rails = [Roughness(f"rail_{rail}", RAIL_STEPS * dx, seed=10 + rail, level=level) for rail in (1, 2)]
-    return build_contact_law(treads, models.geometry, dx, turn, rails=rails, rail_steps=RAIL_STEPS)
+    return build_contact_law(rough, models.geometry, dx, turn, rail_steps=RAIL_STEPS)
 
 
 def settled_run(level: float = 0.0, **changes: Any) -> RoughRun:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,10 +11,11 @@ from typing import Any, Literal
 
 from .cache import digest
 from .errors import InputError
-from .irregularities import Breakout
+from .irregularities import AnyIrregularity, line_steps
+from .irregularities.measured import located_beside
 from .loads import Loads
 from .profile_points import FILES, load_points
-from .schema import Quantity, check, quantity, read
+from .schema import Quantity, check, plain, quantity, read
 from .shipped import load_yaml
 from .yaml12 import dump, parse
 
@@ -24,6 +24,8 @@ WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 
 BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
 GAUGE = Quantity("m", 0.9, 1.8, "the gauge")
+LINE = Quantity("m", 0.5, 5000.0, "the length after which rails repeat")
+MOST_IRREGULARITIES = 1000
 
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""
@@ -82,7 +84,10 @@ class Scenario:
     """Name of a shipped wheelset, path of a file, or a mapping."""
     track: Any = "ballasted_60e1"
     """Name of a shipped track, path of a file, or a mapping."""
-    irregularities: tuple[Breakout, ...] = ()
+    irregularities: tuple[AnyIrregularity, ...] = ()
+    """Of treads and rails; where several lie, their heights add up."""
+    line_length: float | None = None
+    """Length after which the irregularities of the rails repeat, m; None is 60 m, or as often that as they need."""
     loads: Loads = field(default_factory=Loads)
     """What is superposed on the axle's stress beside the contact forces; nothing by default."""
     profiles: Profiles = field(default_factory=Profiles)
@@ -115,10 +120,15 @@ class Scenario:
         check(self)
         if not self.name:
             raise InputError("name is empty: give the scenario a name")
-        if self.max_frequency is not None:
-            refusal = BAND.refusal("max_frequency", self.max_frequency)
+        for name, limits in (("max_frequency", BAND), ("line_length", LINE)):
+            refusal = None if getattr(self, name) is None else limits.refusal(name, getattr(self, name))
             if refusal:
                 raise InputError(refusal)
+        if len(self.irregularities) > MOST_IRREGULARITIES:
+            raise InputError(
+                f"irregularities has {len(self.irregularities)} entries: give at most {MOST_IRREGULARITIES}"
+            )
+        _ = self.line_steps
         for index, (before, after) in enumerate(pairwise(self.speed_plan)):
             if after.time <= before.time:
                 raise InputError(
@@ -142,18 +152,18 @@ class Scenario:
         return self.step_length / self.speed
 
     @property
+    def line_steps(self) -> int:
+        """Steps after which the irregularities of the rails repeat; 1 without any."""
+        return line_steps(self.irregularities, self.line_length, self.step_length)
+
+    @property
     def at_lag_zero(self) -> str:
         """The variant at lag zero, the default named."""
         return LAG_ZERO[self.dynamics][0] if self.lag_zero == "default" else self.lag_zero
 
     def to_mapping(self) -> dict[str, Any]:
         """Plain mapping that ``scenario_from`` turns into an equal scenario."""
-        plain = dataclasses.asdict(self)
-        plain["irregularities"] = [{"type": kind.type, **dataclasses.asdict(kind)} for kind in self.irregularities]
-        plain["speed_plan"] = [dataclasses.asdict(point) for point in self.speed_plan]
-        plain["loads"] = self.loads.to_mapping()
-        plain["output"] = {"stress_nodes": list(self.output.stress_nodes)}
-        return plain
+        return {**plain(self), "loads": self.loads.to_mapping()}
 
     def to_yaml(self) -> str:
         """The scenario as a YAML file's text."""
@@ -177,6 +187,8 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     data = load_yaml("scenarios", name_or_path)
     if not isinstance(data, dict):
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
+    if Path(name_or_path).is_file():
+        located_beside(data, Path(name_or_path))
     for change in overrides:
         override(data, change)
     take_in(data)

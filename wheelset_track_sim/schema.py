@@ -105,6 +105,20 @@ def read(owner: type[T], data: Any, where: str) -> T:
         raise InputError(f"{where}: {refusal}") from None
 
 
+def plain(value: Any) -> Any:
+    """Mappings, lists and numbers that ``read`` turns into an equal ``value``."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        kind = {"type": value.type} if hasattr(value, "type") else {}
+        return kind | {
+            field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.init
+        }
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return value
+
+
 def unknown(what: str, where: str, name: str, known: Sequence[str]) -> str:
     """One line that refuses a name and lists those that are known, the nearest first."""
     near = difflib.get_close_matches(name, known, n=1)

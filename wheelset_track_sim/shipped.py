@@ -89,6 +89,13 @@ def _with_lists(content: Any) -> Any:
     return plain
 
 
+def located(kind: str, name_or_path: str) -> Traversable | Path:
+    """A shipped file of a kind by its whole name, or the user's by its path; it may not be there."""
+    path = Path(name_or_path)
+    found = _folder(kind) / name_or_path if path.name == name_or_path else None
+    return found if found is not None and found.is_file() and not path.exists() else path
+
+
 def singular(kind: str) -> str:
     """``scenario`` of ``scenarios``, ``study`` of ``studies``."""
     return kind.removesuffix("ies") + "y" if kind.endswith("ies") else kind.removesuffix("s")

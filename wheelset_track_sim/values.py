@@ -51,4 +51,4 @@ def with_values(base: Scenario, values: Values) -> Scenario:
 
 
 def _first_breakout(scenario: Scenario, wheel: str) -> Breakout | None:
-    return next((item for item in scenario.irregularities if item.on == wheel), None)
+    return next((item for item in scenario.irregularities if isinstance(item, Breakout) and item.on == wheel), None)

@@ -69,7 +69,7 @@ positions = st.one_of(st.tuples(st.just(0), st.integers(-70, 70)), st.tuples(st.
 @given(positions, st.floats(0, 0.98 * TABLE_FORCE), st.sampled_from([0.0, 1e-10, 1e-9]))
 def test_tables_are_the_solver_without_its_cost(law, plain, where, force, compliance):
     approach = approach_for_force(law, *where, 0, force, compliance)
-    tabulated = tabulated_force(law, *where, approach, compliance)
+    tabulated = tabulated_force(law, *where, 0, approach, compliance)
     assert tabulated == pytest.approx(force, abs=1e-6)
     assert contact_force(plain, *where, 0, approach, compliance) == pytest.approx(tabulated, abs=1e-6)
 
@@ -90,7 +90,7 @@ def test_beyond_the_tables_the_solver_takes_over(law):
     largest = law.points[law.first_point[1] - 1]
     assert largest[1] == pytest.approx(TABLE_FORCE)
     beyond = contact_force(law, 0, 1000, 0, largest[0] + 1e-6, 0.0)
-    assert np.isnan(tabulated_force(law, 0, 1000, largest[0] + 1e-6, 0.0))
+    assert np.isnan(tabulated_force(law, 0, 1000, 0, largest[0] + 1e-6, 0.0))
     assert beyond == pytest.approx(TABLE_FORCE + 1e-6 * solve_patch(law, 0, 1000, 0, largest[0]).stiffness, rel=1e-4)
 
 
@@ -148,15 +148,16 @@ class Dent(NamedTuple):
 
     on: str
     position: float
-    half_length: float = 0.020
 
-    def height(self, s, y):
-        return -1e-4 * np.exp(-((np.asarray(s) / 0.005) ** 2)) * np.ones_like(y)
+    def patches(self, surface, y):
+        yield surface.around(
+            surface.at(self.position), 0.020, lambda s: -1e-4 * np.exp(-((s / 0.005) ** 2)) * np.ones_like(y)
+        )
 
 
 def test_rail_heights_count_like_tread_heights():
     smooth = build_contact_law([], GEOMETRY, DX, N_C, tables=False)
-    law = build_contact_law([], GEOMETRY, DX, N_C, rails=[Dent("rail_1", 0.3)], rail_steps=600)
+    law = build_contact_law([Dent("rail_1", 0.3)], GEOMETRY, DX, N_C, rail_steps=600)
     # Along x the dent sits in the middle of the area at rail step 300, and again one bay on.
     at = contact_force(law, 0, 0, 300, 2e-4, 0.0)
     assert at < 0.9 * contact_force(law, 0, 0, 0, 2e-4, 0.0)
@@ -165,14 +166,17 @@ def test_rail_heights_count_like_tread_heights():
     gap = total_separation(law, 0, 0, 290) - law.separation[0]
     assert law.x[np.argmax(gap[:, 3])] == pytest.approx(0.010)
     assert gap.max() == pytest.approx(1e-4)
-    # Under the wheel on that rail no table holds, whatever the tread; the other wheel keeps its own.
-    assert (law.table[0] == -1).all()
-    assert (law.table[1] == 0).all()
+    # The dent has tables, of which the two sides share each, and the treads keep theirs.
+    assert (law.table == 0).all()
+    assert (law.rail_table[1] == 0).all()
+    assert (law.rail_table[0, 301:330] == law.rail_table[0, 299:270:-1]).all()
+    assert law.rail_table[0, 300] > 0 == law.rail_table[0, 100]
+    assert len(law.nested[0].element) == 0
     assert law.rail_mirrored.all()
 
 
 def test_a_tread_that_is_rough_all_around_has_no_tables():
-    treads = [Roughness("wheel_1", N_C * DX), Breakout("wheel_2", 0.003, 0.003, 1e-4)]
+    treads = [Roughness("wheel_1"), Breakout("wheel_2", 0.003, 0.003, 1e-4)]
     law = build_contact_law(treads, GEOMETRY, DX, N_C)
     assert (law.table[0] == -1).all()
     assert (law.table[1] >= 0).all()

@@ -24,11 +24,9 @@ NONE = np.empty((0, 0))
 
 
 def rough_law(level, seed=0, defects=(), **options):
-    treads = [Roughness(f"wheel_{wheel}", N_C * DX, seed=seed + wheel, level=level) for wheel in (1, 2)]
-    rails = [Roughness(f"rail_{rail}", N_R * DX, seed=seed + 10 + rail, level=level) for rail in (1, 2)]
-    return build_contact_law(
-        [*treads, *defects], ContactGeometry(), DX, N_C, rails=rails, rail_steps=N_R, tables=False, **options
-    )
+    seeds = {"wheel_1": 1, "wheel_2": 2, "rail_1": 11, "rail_2": 12}
+    rough = [Roughness(on, seed=seed + number, level=level) for on, number in seeds.items()]
+    return build_contact_law([*rough, *defects], ContactGeometry(), DX, N_C, rail_steps=N_R, tables=False, **options)
 
 
 @pytest.fixture(scope="module", params=[-10.0, 0.0, 8.0], ids="{:+.0f} dB".format)

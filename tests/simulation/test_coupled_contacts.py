@@ -23,9 +23,9 @@ def models():
 
 def rough(models, level):
     dx, turn = models.step_length, models.steps_per_revolution
-    treads = [Roughness(f"wheel_{wheel}", turn * dx, seed=wheel, level=level) for wheel in (1, 2)]
-    rails = [Roughness(f"rail_{rail}", RAIL_STEPS * dx, seed=10 + rail, level=level) for rail in (1, 2)]
-    return build_contact_law(treads, models.geometry, dx, turn, rails=rails, rail_steps=RAIL_STEPS)
+    surfaces = ("wheel_1", "wheel_2", "rail_1", "rail_2")
+    shapes = [Roughness(on, seed=seed, level=level) for seed, on in enumerate(surfaces)]
+    return build_contact_law(shapes, models.geometry, dx, turn, rail_steps=RAIL_STEPS)
 
 
 def run(models, law, chunk, steps=400, raised=1.0):
@@ -75,8 +75,8 @@ def test_beyond_the_tables_steps_are_solved_and_the_run_goes_on(models, chunk):
 
 def test_rough_rails_under_smooth_treads(models):
     dx = models.step_length
-    rails = [Roughness("rail_2", RAIL_STEPS * dx, seed=1)]
-    law = build_contact_law((), models.geometry, dx, models.steps_per_revolution, rails=rails, rail_steps=RAIL_STEPS)
+    shapes = [Roughness("rail_2", seed=1)]
+    law = build_contact_law(shapes, models.geometry, dx, models.steps_per_revolution, rail_steps=RAIL_STEPS)
     assert total_separation(law, 0, 5, 7).tolist() == law.separation[0].tolist()
     forces = run(models, law, 400)
     smooth = run(models, models.contact_law(()), 400)

@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from ..errors import ContactError, InputError
-from ..irregularities import RailIrregularity, TreadIrregularity, rail_heights, tread_heights
+from ..irregularities import Irregularity, RailHeights, rail_heights, tread_heights
+from ..irregularities.surface import RAILS, WHEELS, both_rails
 from ..jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .geometry import ContactGeometry
@@ -20,9 +21,8 @@ from .influence import influence_table
 from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
 from .nested import nested_contacts, no_nested_contacts
 from .order_kernels import NestedContacts
-from .tables import Progress, force_tables, windows
-
-WHEELS = ("wheel_1", "wheel_2")
+from .tables import Progress, force_tables
+from .windows import windows
 
 REASONS = {
     NOT_CONVERGED: "the active set does not settle",
@@ -82,12 +82,11 @@ def contact_grid(
 
 
 def build_contact_law(
-    irregularities: Sequence[TreadIrregularity],
+    irregularities: Sequence[Irregularity],
     geometry: ContactGeometry,
     dx: float,
     n_c: int,
     *,
-    rails: Sequence[RailIrregularity] = (),
     rail_steps: int = 1,
     dy: float = ELEMENT_WIDTH,
     largest_force: float = 600e3,
@@ -96,12 +95,12 @@ def build_contact_law(
 ) -> ContactLaw:
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
 
-    ``rails`` are the irregularities of the rails, which repeat after ``rail_steps`` steps; under a wheel whose rail
-    has some, or whose tread is rough all around, every contact is solved.
+    ``irregularities`` are those of treads and of rails, which repeat after ``rail_steps`` steps.
     The area holds every contact up to ``largest_force``, N. ``tables`` says whether the force-approach curves up to
-    ``TABLE_FORCE`` are worked out beforehand, for every tread position at which an irregularity can bear; without them,
-    and above that force, the active set is solved in every step. With ``"smooth"`` only the smooth tread has its
-    curve: for few passages of a defect that is the fastest. ``progress`` is told the share done.
+    ``TABLE_FORCE`` are worked out beforehand, for every position on treads and rails at which an irregularity can bear;
+    without them, above that force, where tread and rail both have an irregularity, and where one is rough, the active
+    set is solved in every step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect
+    that is the fastest. ``progress`` is told the share done.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     for name, value, low, high in (
@@ -121,60 +120,101 @@ def build_contact_law(
     head = int(max(ends) / dy * (1 + 1e-12))
     wide = _spaced(head, dy)
     touch, circle = (np.array([each(wheel) for wheel in (0, 1)]) for each in (geometry.touch, geometry.rolling_circle))
-    tread = np.stack(
-        [
-            tread_heights(irregularities, wheel, n_c, dx, wide + at)
-            for wheel, at in zip(WHEELS, touch - circle, strict=True)
-        ]
-    )
-    # A crown of the smaller radius needs a larger approach for the same force; so does a tread lowered all over.
+    treads = [
+        tread_heights(irregularities, name, n_c, dx, wide + at) for name, at in zip(WHEELS, touch - circle, strict=True)
+    ]
+    rails = [
+        rail_heights(irregularities, name, rail_steps, dx, wide + at) for name, at in zip(RAILS, touch, strict=True)
+    ]
+    # A crown of the smaller radius needs a larger approach for the same force.
     sharper = HertzContact(
         geometry.wheel_radius, min(pair.sharpest for pair in geometry.pairs), geometry.contact_modulus
     )
     smooth_reach = sharper.approach(largest_force)
-    rail = np.stack(
-        [rail_heights(rails, f"rail_{number}", rail_steps, dx, wide + touch[number - 1]) for number in (1, 2)]
-    )
-    reach = smooth_reach + np.ptp(tread) + np.ptp(rail)
-    x, y = contact_grid(geometry, dx, dy, reach)
+    x, y = _area(geometry, dx, dy, smooth_reach, treads, rails)
     if len(x) > n_c:
         raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
     nx, ny = len(x), len(y)
-    tread, rail = (np.ascontiguousarray(each[:, :, head - ny // 2 : head + ny // 2 + 1]) for each in (tread, rail))
+    shown = slice(head - ny // 2, head + ny // 2 + 1)
+    tread = np.stack([heights[:, shown] for heights in treads])
+    rail_row, rail = both_rails([RailHeights(row, heights[:, shown]) for row, heights in rails])
     places = touch[:, None] + y
     separation = np.stack([geometry.separation(wheel, x[:, None], places[wheel]) for wheel in (0, 1)])
     symmetric = (separation == separation[:, :, ::-1]).all(axis=(1, 2))
     influence = influence_table(nx, ny, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
 
-    table = np.full((2, n_c), -1, np.int32)
+    table, rail_table, smooth = np.full((2, n_c), -1, np.int32), np.full(rail_row.shape, -1, np.int32), 0
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
     if tables:
         table_force = min(largest_force, TABLE_FORCE)
-        placed = windows(tread, separation, sharper.approach(table_force))
-        gaps, number = placed.gaps, placed.number
+        placed = windows(tread, rail_row, rail, separation, sharper.approach(table_force))
+        gaps, table, rail_table, smooth = placed
         if tables == "smooth":
-            gaps, number = gaps[: placed.smooth], np.where(number >= placed.smooth, np.int32(-1), number)
+            gaps = gaps[:smooth]
+            table, rail_table = (np.where(each >= smooth, np.int32(-1), each) for each in (table, rail_table))
         stored = force_tables(gaps, influence, dx * dy, table_force, progress)
-        table, first, points = number, stored.first, stored.points
-        table[rail.any(axis=(1, 2))] = -1
+        first, points = stored.first, stored.points
     return ContactLaw(
         tread=tread,
+        rail_row=rail_row,
         rail=rail,
         tread_mirrored=_mirrored_within(tread, nx) & symmetric[:, None],
-        rail_mirrored=(rail == rail[:, :, ::-1]).all(axis=(1, 2)),
+        rail_mirrored=np.array([bool((each == each[:, ::-1]).all()) for each in (rail[row] for row in rail_row)]),
         x=x,
         y=places,
         separation=separation,
         influence=influence,
         element_area=dx * dy,
         table=table,
+        smooth_tables=smooth,
+        rail_table=rail_table,
         first_point=first,
         points=points,
-        tread_top=_highest_within(tread, nx),
-        rail_top=_highest_within(rail, nx),
-        nested=_nested(geometry, x, y, separation) if (table < 0).any() else (no_nested_contacts(),) * 2,
+        tread_top=_highest_within(tread.max(axis=2), nx),
+        rail_top=_highest_within(rail.max(axis=1)[rail_row], nx),
+        nested=_nested(geometry, x, y, separation)
+        if _solves(table, rail_table, smooth)
+        else (no_nested_contacts(),) * 2,
         in_contact=np.zeros((2, nx, ny), np.bool_),
     )
+
+
+def _area(
+    geometry: ContactGeometry,
+    dx: float,
+    dy: float,
+    smooth_reach: float,
+    treads: Sequence[NDArray[np.float64]],
+    rails: Sequence[RailHeights],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Elements x and y of the potential contact area, m.
+
+    Where all heights within the area lie between ``low`` and ``high``, a force needs at most the approach of a smooth
+    contact that lies at ``low``; so all elements in contact have a nominal separation of up to ``smooth_reach`` and
+    high - low. What long waves raise and lower as a whole does not count.
+    """
+    on_treads = [(heights.max(axis=1), heights.min(axis=1)) for heights in treads]
+    on_rails = [(heights.max(axis=1)[row], heights.min(axis=1)[row]) for row, heights in rails]
+    reach, needed = 0.0, smooth_reach
+    while needed > reach:
+        reach = needed
+        x, y = contact_grid(geometry, dx, dy, reach)
+        needed = smooth_reach + sum(
+            max(_difference_within(high, low, len(x)) for high, low in pair) for pair in (on_treads, on_rails)
+        )
+    return x, y
+
+
+def _difference_within(high: NDArray[np.float64], low: NDArray[np.float64], nx: int) -> float:
+    """Largest difference, m, of the highest and the lowest within nx steps of a surface, both (steps,), m."""
+    nx = min(nx, len(high))
+    return float((maximum_filter1d(high, nx, mode="wrap") - minimum_filter1d(low, nx, mode="wrap")).max())
+
+
+def _solves(table: NDArray[np.int32], rail_table: NDArray[np.int32], smooth: int) -> bool:
+    """Whether tables leave places to the solver."""
+    without = (table < 0).any() or (rail_table < 0).any()
+    return bool(without or ((table >= smooth).any(axis=1) & rail_table.any(axis=1)).any())
 
 
 def _nested(
@@ -189,9 +229,9 @@ def _spaced(half: int, step: float) -> NDArray[np.float64]:
     return np.arange(-half, half + 1, dtype=np.float64) * step
 
 
-def _highest_within(heights: NDArray[np.float64], nx: int) -> NDArray[np.float64]:
-    """Highest of all rows within nx // 2 of each row of (2, n, ny), (2, n)."""
-    return np.asarray(maximum_filter1d(heights.max(axis=2), nx, axis=1, mode="wrap"))
+def _highest_within(top: NDArray[np.float64], nx: int) -> NDArray[np.float64]:
+    """Highest within nx // 2 of each of (2, n) heights, m."""
+    return np.asarray(maximum_filter1d(top, min(nx, 2 * top.shape[1] - 1), axis=1, mode="wrap"))
 
 
 def _mirrored_within(tread: NDArray[np.float64], nx: int) -> NDArray[np.bool_]:
@@ -255,6 +295,9 @@ def approach_for_force(
     if not 0.0 <= force < np.inf:
         raise InputError(f"force = {force:g} N is out of range: give a force that presses, from 0 N")
     number = law.table[wheel, tread_index % law.table.shape[1]]
+    on_rail = law.rail_table[wheel, rail_index % law.rail_table.shape[1]]
+    if on_rail != 0:
+        number = on_rail if 0 <= number < law.smooth_tables else -1
     if number >= 0:
         curve = law.points[law.first_point[number] : law.first_point[number + 1]]
         if force <= curve[-1, 1]:

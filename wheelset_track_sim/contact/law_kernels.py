@@ -23,8 +23,10 @@ class ContactLaw(NamedTuple):
 
     tread: NDArray[np.float64]
     """Heights of the treads, (2, n_c, ny), m, negative where material is missing."""
+    rail_row: NDArray[np.int32]
+    """Row of ``rail`` at each rail position, (2, n_r); 0 where the rail is smooth."""
     rail: NDArray[np.float64]
-    """Heights of the rails, (2, n_r, ny), m; one row of zeros where the rails are smooth."""
+    """Heights across the rails, (rows, ny), m; the first row is zero."""
     tread_mirrored: NDArray[np.bool_]
     """Whether tread and nominal surfaces within the area are symmetric about its middle, (2, n_c)."""
     rail_mirrored: NDArray[np.bool_]
@@ -40,7 +42,11 @@ class ContactLaw(NamedTuple):
     element_area: float
     """dx dy, m^2."""
     table: NDArray[np.int32]
-    """Force table of each tread position, (2, n_c); -1 to solve."""
+    """Force table of each tread position on a smooth rail, (2, n_c); -1 to solve."""
+    smooth_tables: int
+    """The first so many tables are of smooth treads."""
+    rail_table: NDArray[np.int32]
+    """Force table of each rail position under a smooth tread, (2, n_r); 0 is a smooth rail, -1 to solve."""
     first_point: NDArray[np.int64]
     """Where each force table starts in ``points``, and where the last ends, (tables + 1,)."""
     points: NDArray[np.float64]
@@ -59,11 +65,11 @@ class ContactLaw(NamedTuple):
 def total_separation(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> NDArray[np.float64]:
     """z_R + z_W + r_R + r_W of Eq. (12), (nx, ny), m; r is minus the height: missing material widens the gap."""
     nx, ny = law.separation.shape[1:]
-    n_c, n_r = law.tread.shape[1], law.rail.shape[1]
+    n_c, n_r = law.tread.shape[1], law.rail_row.shape[1]
     gap = np.empty((nx, ny))
     for i in range(nx):
         tread = law.tread[wheel, (tread_index + i - nx // 2) % n_c]
-        rail = law.rail[wheel, (rail_index + i - nx // 2) % n_r]
+        rail = law.rail[law.rail_row[wheel, (rail_index + i - nx // 2) % n_r]]
         for j in range(ny):
             gap[i, j] = law.separation[wheel, i, j] - (tread[j] + rail[j])
     return gap
@@ -81,12 +87,13 @@ def solve_nested(
     pressure: NDArray[np.float64],
 ) -> tuple[float, float, int]:
     """``solve_contact`` by ``solve_in_order``; with a status of FAR, that is not for it and nothing has changed."""
-    nested, tread, rail = law.nested[wheel], law.tread[wheel], law.rail[wheel]
+    nested, tread, rows = law.nested[wheel], law.tread[wheel], law.rail_row[wheel]
     if not np.isfinite(approach) or not compliance >= 0.0:
         return np.nan, np.nan, FAR
-    top = law.tread_top[wheel, tread_index % len(tread)] + law.rail_top[wheel, rail_index % len(rail)]
+    top = law.tread_top[wheel, tread_index % len(tread)] + law.rail_top[wheel, rail_index % len(rows)]
     gap = np.empty(len(nested.element))
-    m = gaps_in_order(nested, law.separation.shape[1:], tread, rail, tread_index, rail_index, top, approach, gap)
+    shape = law.separation.shape[1:]
+    m = gaps_in_order(nested, shape, tread, rows, law.rail, tread_index, rail_index, top, approach, gap)
     if m == FAR:
         return np.nan, np.nan, FAR
     guess, p, area = np.empty(m, np.bool_), np.empty(m), in_contact.reshape(-1)
@@ -157,9 +164,17 @@ def table_force(points: NDArray[np.float64], first: int, end: int, approach: flo
 
 
 @inner_kernel
-def tabulated_force(law: ContactLaw, wheel: int, tread_index: int, approach: float, compliance: float) -> float:
-    """``contact_force`` from the table of the tread position; NaN where it has none or the force is beyond it."""
-    number = law.table[wheel, tread_index % law.tread.shape[1]]
+def tabulated_force(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
+) -> float:
+    """``contact_force`` from a table; NaN where there is none or the force is beyond it.
+
+    Indices are below the lengths of treads and rails. There is a table for each place of a smooth surface under what is
+    on the other; where both have something, or one is rough, there is none.
+    """
+    number, of_rail = law.table[wheel, tread_index], law.rail_table[wheel, rail_index]
+    if of_rail != 0:
+        number = of_rail if 0 <= number < law.smooth_tables else np.int32(-1)
     if number < 0:
         return np.nan
     return table_force(law.points, law.first_point[number], law.first_point[number + 1], approach, compliance)
@@ -185,7 +200,8 @@ def contact_force(
     middle of the area. ``compliance`` is in m/N. The two parts may also be called one after the other: tables are
     looked up three times as fast where the compiler need not pass the whole law to a function.
     """
-    force = tabulated_force(law, wheel, tread_index, approach, compliance)
+    tread, rail = tread_index % law.table.shape[1], rail_index % law.rail_table.shape[1]
+    force = tabulated_force(law, wheel, tread, rail, approach, compliance)
     if np.isnan(force):
         force = solved_force(law, wheel, tread_index, rail_index, approach, compliance)
     return force

@@ -46,6 +46,7 @@ def gaps_in_order(
     nested: NestedContacts,
     shape: tuple[int, int],
     tread: NDArray[np.float64],
+    rail_row: NDArray[np.int32],
     rail: NDArray[np.float64],
     tread_index: int,
     rail_index: int,
@@ -55,8 +56,8 @@ def gaps_in_order(
 ) -> int:
     """Fill ``gap``, m, of all elements that can be in contact; returns how many, or FAR if more than there are.
 
-    ``tread`` (n_c, ny) and ``rail`` (n_r, ny) are heights, m, of which no sum within the area of ``shape`` (nx, ny) is
-    above ``highest``.
+    ``tread`` (n_c, ny) and the rows of ``rail`` that ``rail_row`` (n_r,) names are heights, m, of which no sum within
+    the area of ``shape`` (nx, ny) is above ``highest``.
     """
     limit = approach + highest
     beyond = nested.beyond
@@ -72,13 +73,13 @@ def gaps_in_order(
     nx, ny = shape
     heights = np.empty(nx * ny)
     reach = nested.reach[low]
-    t, r = (tread_index - reach) % len(tread), (rail_index - reach) % len(rail)
+    t, r = (tread_index - reach) % len(tread), (rail_index - reach) % len(rail_row)
     for i in range(nx // 2 - reach, nx // 2 + reach + 1):
-        sums, of_tread, of_rail = heights[i * ny : (i + 1) * ny], tread[t], rail[r]
+        sums, of_tread, of_rail = heights[i * ny : (i + 1) * ny], tread[t], rail[rail_row[r]]
         for j in range(ny):
             sums[j] = of_tread[j] + of_rail[j]
         t, r = t + 1, r + 1
-        t, r = 0 if t == len(tread) else t, 0 if r == len(rail) else r
+        t, r = 0 if t == len(tread) else t, 0 if r == len(rail_row) else r
     for c in range(low):
         gap[c] = nested.separation[c] - heights[nested.element[c]]
     while low > 0 and gap[low - 1] >= approach:

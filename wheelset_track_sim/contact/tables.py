@@ -25,10 +25,6 @@ Progress = Callable[[float], None]
 """Told the share of the work that is done, 0 to 1."""
 
 
-ROUGH = 0.9
-"""Share of the circumference beyond which a tread is rough all around: then no two positions have a table in common."""
-
-
 @dataclass(frozen=True, eq=False)
 class ForceTables:
     """Exact force-approach curves of several geometries, one after the other."""
@@ -49,57 +45,6 @@ class ForceTables:
         if points.shape != (first[-1], 2) or first[0] != 0 or not np.isfinite(points).all():
             raise ValueError("these are no force tables")
         return cls(first, points)
-
-
-@dataclass(frozen=True, eq=False)
-class Windows:
-    """Distinct separations of wheel and rail within the potential contact area, and where on the treads each stands."""
-
-    number: NDArray[np.int32]
-    """Window of each tread position, (2, n_c); -1 one that is rough all around."""
-    gaps: list[NDArray[np.float64]]
-    """Separations, tread heights included, each (nx, ny), m."""
-    smooth: int
-    """The first so many windows are those of smooth treads: 1, or 2 where the wheels' profiles differ."""
-
-
-def windows(tread: NDArray[np.float64], separation: NDArray[np.float64], smooth_reach: float) -> Windows:
-    """Distinct windows of ``tread`` (2, n_c, ny) as seen by an area of nominal ``separation`` (2, nx, ny).
-
-    ``smooth_reach``, m, is the approach that a smooth tread does not exceed within the tables. Where all elements with
-    a separation, nominal or true, below it are smooth, the contact is that of a smooth tread. Mirror images along x
-    share a window: the force is the same. So do the two wheels if their nominal surfaces are alike, or mirror images.
-    """
-    nx = separation.shape[1]
-    n_c = tread.shape[1]
-    found: dict[tuple[int, bytes], int] = {}
-    gaps = [separation[0]]
-    number = np.zeros(tread.shape[:2], np.int32)
-    offset = np.arange(nx) - nx // 2
-    alike = bool((separation[1] == separation[0]).all())
-    turned = not alike and bool((separation[1] == separation[0][:, ::-1]).all())
-    if not (alike or turned):
-        gaps.append(separation[1])
-    smooth = len(gaps)
-    for wheel in range(len(tread)):
-        base = wheel % smooth
-        across = slice(None, None, -1) if wheel == 1 and turned else slice(None)
-        nominal = gaps[base]
-        number[wheel] = base
-        rough = np.flatnonzero(tread[wheel].any(axis=1))
-        if len(rough) > ROUGH * n_c:
-            number[wheel] = -1
-            continue
-        for position in np.unique((rough[:, None] - offset) % n_c):
-            window = tread[wheel, (position + offset) % n_c, across]
-            if not window[np.minimum(nominal, nominal - window) < smooth_reach].any():
-                continue
-            key = base, min(window.tobytes(), window[::-1].tobytes())
-            if key not in found:
-                found[key] = len(gaps)
-                gaps.append(nominal - window)
-            number[wheel, position] = found[key]
-    return Windows(number, gaps, smooth)
 
 
 def force_path(

@@ -4,17 +4,69 @@ A height is negative where material is missing, exactly as Eq. (22) is printed. 
 Eq. (12) missing material must widen the gap, so there ``r = -height``: the contact subtracts heights.
 """
 
+from collections.abc import Iterable, Iterator
+from typing import Union
+
 from .breakout import TREAD_HALF_WIDTH, Breakout
-from .rail import RailIrregularity, rail_heights
+from .cluster import Cluster, LogNormal, Normal, Uniform
+from .corrugation import Corrugation
+from .flat import Flat
+from .head_defect import HeadDefect, Squat
+from .joint import DippedWeld, Joint
+from .measured import Profile
+from .polygon import Harmonic, Polygon
 from .roughness import Roughness
-from .tread import TreadIrregularity, tread_heights
+from .surface import Irregularity, Patch, RailHeights, Surface, line_steps, rail_heights, tread_heights
+
+AnyIrregularity = Union[  # noqa: UP007  schema tells them apart by their ``type``
+    Breakout,
+    Cluster,
+    Flat,
+    Polygon,
+    Roughness,
+    Profile,
+    Corrugation,
+    Squat,
+    HeadDefect,
+    Joint,
+    DippedWeld,
+]
+"""Everything that ``irregularities`` of a scenario may hold."""
+
+
+def breakouts(irregularities: Iterable[AnyIrregularity]) -> Iterator[Breakout]:
+    """All breakouts, those of clusters among them."""
+    for each in irregularities:
+        if isinstance(each, Cluster):
+            yield from each.breakouts
+        elif isinstance(each, Breakout):
+            yield each
+
 
 __all__ = [
     "TREAD_HALF_WIDTH",
+    "AnyIrregularity",
     "Breakout",
-    "RailIrregularity",
+    "Cluster",
+    "Corrugation",
+    "DippedWeld",
+    "Flat",
+    "Harmonic",
+    "HeadDefect",
+    "Irregularity",
+    "Joint",
+    "LogNormal",
+    "Normal",
+    "Patch",
+    "Polygon",
+    "Profile",
+    "RailHeights",
     "Roughness",
-    "TreadIrregularity",
+    "Squat",
+    "Surface",
+    "Uniform",
+    "breakouts",
+    "line_steps",
     "rail_heights",
     "tread_heights",
 ]

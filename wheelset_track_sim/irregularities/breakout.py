@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -9,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..schema import check, quantity
+from ..schema import quantity
+from .surface import WHEELS, Patch, Surface, check_shape
 
 TREAD_HALF_WIDTH = 0.050
 """Reach of a defect to either side of the rolling circle, m.
@@ -37,15 +39,8 @@ class Breakout:
     )
 
     def __post_init__(self) -> None:
-        if self.on not in ("wheel_1", "wheel_2"):
-            raise InputError(f"on = {self.on!r} is not a known wheel: give wheel_1 or wheel_2")
-        check(self)
-        reach = abs(self.y) + self.b
-        if reach > TREAD_HALF_WIDTH * (1 + 1e-12):
-            raise InputError(
-                f"b = {self.b:g} m at y = {self.y:g} m reaches {reach:g} m from the rolling circle, beyond the tread: "
-                f"give |y| + b up to {TREAD_HALF_WIDTH:g} m"
-            )
+        check_shape(self, WHEELS)
+        check_reach(self.y, self.b)
 
     @property
     def half_length(self) -> float:
@@ -58,5 +53,24 @@ class Breakout:
         ``s`` is the longitudinal distance from the centre of the defect along the tread and ``y`` the lateral
         position on the tread, both in m; they broadcast.
         """
-        radius = np.hypot(np.asarray(s, float) / self.a, (np.asarray(y, float) - self.y) / self.b)
-        return np.where(radius <= 1.0, -0.5 * self.h * (1.0 + np.cos(np.pi * np.minimum(radius, 1.0))), 0.0)
+        return hollow(np.asarray(s, float) / self.a, (np.asarray(y, float) - self.y) / self.b, self.h)
+
+    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+        """Heights on ``surface`` at lateral positions ``y``, m."""
+        yield surface.around(surface.at_angle(self.angle), self.a, lambda s: self.height(s, y))
+
+
+def hollow(s: NDArray[np.float64], y: NDArray[np.float64], depth: float) -> NDArray[np.float64]:
+    """Height of an ellipse that a cosine deepens, m; ``s`` and ``y`` are 1 at its rim (Eq. 22)."""
+    radius = np.hypot(s, y)
+    return np.where(radius <= 1.0, -0.5 * depth * (1.0 + np.cos(np.pi * np.minimum(radius, 1.0))), 0.0)
+
+
+def check_reach(y: float, b: float) -> None:
+    """Raise InputError for a defect at ``y`` of lateral semi-axis ``b``, m, that leaves the tread."""
+    reach = abs(y) + b
+    if reach > TREAD_HALF_WIDTH * (1 + 1e-12):
+        raise InputError(
+            f"b = {b:g} m at y = {y:g} m reaches {reach:g} m from the rolling circle, beyond the tread: "
+            f"give |y| + b up to {TREAD_HALF_WIDTH:g} m"
+        )

@@ -1,15 +1,18 @@
-"""Random roughness of a tread or a rail, over the whole of it."""
+"""Random roughness of a tread or a rail."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..schema import check, quantity
+from ..schema import Quantity, quantity
+from .stretch import check_stretch, part_of, ramp, start
+from .surface import RAILS, WHEELS, Patch, Surface, check_shape
 
 LIMIT_WAVELENGTHS = (0.4, 0.0315, 0.00315)
 LIMIT_LEVELS = (17.1, -5.0, -11.0)
@@ -18,67 +21,94 @@ logarithm; levels of third octaves in dB re 1 um."""
 
 ACROSS = 4
 """Waves across for each wave along."""
+WAVELENGTH = Quantity("m", 0.0005, 20.0, "a wavelength")
+LEVEL = Quantity("dB", -80.0, 80.0, "a level re 1 um")
 
 
 @dataclass(frozen=True)
 class Roughness:
-    """Waves of random phase whose third octaves along the surface follow the limit of ISO 3095, ``level`` dB above it.
+    """Waves of random phase whose third octaves along the surface follow a spectrum, ``level`` dB above it.
 
-    It repeats after ``length``: the circumference, or what is simulated of a rail. Lines along the surface ``d`` apart
-    are coherent by exp(-k d) at the wavenumber ``k``, as those of a surface alike in all directions nearly are; no wave
-    is shorter across than the shortest along.
+    The spectrum is a table of wavelength, m, and level of its third octave, dB re 1 um, with straight lines over the
+    logarithm of the wavelength between them; without one it is the limit of ISO 3095. Treads are rough all around,
+    rails all along or over a stretch. Lines along the surface ``d`` apart are coherent by exp(-k d) at the wavenumber
+    ``k``, as those of a surface alike in all directions nearly are; no wave is shorter across than the shortest along.
     """
 
     type: ClassVar[str] = "roughness"
-    angle: ClassVar[float] = 0.0
-    position: ClassVar[float] = 0.0
-    half_length: ClassVar[float] = float("inf")
 
-    on: str
-    length: float = quantity("m", 0.1, 1000.0, "length after which it repeats")
+    on: Literal["wheel_1", "wheel_2", "rail_1", "rail_2"]
     seed: int = quantity("", 0, 2**32 - 1, "seed of the random phases", default=0)
-    level: float = quantity("dB", -60.0, 40.0, "level above the limit of ISO 3095", default=0.0)
+    level: float = quantity("dB", -60.0, 40.0, "level above the spectrum", default=0.0)
     shortest: float = quantity("m", 0.002, 0.1, "shortest wavelength", default=0.005)
     longest: float = quantity("m", 0.002, 10.0, "longest wavelength", default=0.5)
+    spectrum: tuple[tuple[float, float], ...] = ()
+    """Wavelengths, m, and levels of their third octaves, dB re 1 um."""
+    start: float = start()
+    length: float | None = None
+    """Of the stretch of a rail, m; None for all of it."""
+    ramp: float = ramp()
 
     def __post_init__(self) -> None:
-        if self.on not in ("wheel_1", "wheel_2", "rail_1", "rail_2"):
-            raise InputError(f"on = {self.on!r} is not a known surface: give wheel_1, wheel_2, rail_1 or rail_2")
-        check(self)
-        if not len(self.waves):
+        check_shape(self, (*WHEELS, *RAILS))
+        check_stretch(self.length, self.ramp)
+        if self.on in WHEELS and (self.length is not None or self.start):
+            raise InputError(f"start and length are of rails: leave them out for {self.on}, which is rough all around")
+        if len(self.spectrum) == 1:
+            raise InputError("spectrum has one entry: give at least two wavelengths with their levels, or none")
+        for number, (wavelength, level) in enumerate(self.spectrum):
+            for index, known, value in ((0, WAVELENGTH, wavelength), (1, LEVEL, level)):
+                refusal = known.refusal(f"spectrum.{number}.{index}", value)
+                if refusal:
+                    raise InputError(refusal)
+        if len({wavelength for wavelength, _ in self.spectrum}) != len(self.spectrum):
+            raise InputError("spectrum names a wavelength twice: give each once")
+        if self.longest < self.shortest:
             raise InputError(
-                f"no wave between shortest = {self.shortest:g} m and longest = {self.longest:g} m repeats after "
-                f"{self.length:g} m: give a wider band"
+                f"longest = {self.longest:g} m is less than shortest = {self.shortest:g} m: give a wider band"
             )
 
     @property
-    def waves(self) -> NDArray[np.int64]:
-        """Numbers of waves along the length."""
-        return np.arange(np.ceil(self.length / self.longest), self.length // self.shortest + 1, dtype=np.int64)
+    def end(self) -> float:
+        """Position where the stretch ends, m."""
+        return self.start + (self.length or 0.0)
 
-    def height(self, s: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Height of the surface over the nominal one, m.
+    def levels(self, wavelength: ArrayLike) -> NDArray[np.float64]:
+        """Levels, dB re 1 um, of the third octaves around wavelengths, m, ``level`` included."""
+        known = np.array(sorted(self.spectrum) or sorted(zip(LIMIT_WAVELENGTHS, LIMIT_LEVELS, strict=True)))
+        return np.asarray(np.interp(np.log(wavelength), np.log(known[:, 0]), known[:, 1]) + self.level)
 
-        ``s`` is the distance from step 0 along the surface and ``y`` the lateral position, both in m; they broadcast.
+    def field(self, steps: int, dx: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Heights that repeat after ``steps`` of ``dx``, m, at lateral positions ``y``, m: (steps, len(y)), m.
+
+        Raises InputError if no wave of the band repeats, or if waves are shorter than two steps.
         """
-        k = 2 * np.pi * self.waves / self.length
-        limit = np.interp(np.log(2 * np.pi / k), np.log(LIMIT_WAVELENGTHS[::-1]), LIMIT_LEVELS[::-1])
-        in_band = 1e-12 * 10 ** ((limit + self.level) / 10)  # mean square in the third octave around k, m^2
+        length = steps * dx
+        if self.shortest < 2 * dx * (1 - 1e-9):
+            raise InputError(f"shortest = {self.shortest:g} m is less than two steps of {dx:g} m: give {2 * dx:g} m")
+        waves = np.arange(np.ceil(length / self.longest), min(length // self.shortest, (steps - 1) // 2) + 1, dtype=int)
+        if not len(waves):
+            raise InputError(
+                f"no wave between shortest = {self.shortest:g} m and longest = {self.longest:g} m repeats after "
+                f"{length:g} m: give a wider band"
+            )
+        k = 2 * np.pi * waves / length
+        in_band = 1e-12 * 10 ** (self.levels(2 * np.pi / k) / 10)  # mean square in the third octave around k, m^2
         density = in_band / (k * (2 ** (1 / 6) - 2 ** (-1 / 6)))
-        amplitude = np.sqrt(2 * density * 2 * np.pi / self.length / ACROSS)
+        amplitude = np.sqrt(2 * density * 2 * np.pi / length / ACROSS)
         random = np.random.default_rng(self.seed)
         # Cauchy's distribution of wavenumbers across, whose transform is exp(-k d), cut off.
         widest = np.arctan(2 * np.pi / self.shortest / k)
         across = k * np.tan(widest * random.uniform(-1.0, 1.0, (ACROSS, len(k))))
         phase = random.uniform(0.0, 2 * np.pi, (ACROSS, len(k)))
+        heights = np.empty((steps, len(y)))
+        for j, at in enumerate(y):
+            spectrum = np.zeros(steps // 2 + 1, np.complex128)
+            spectrum[waves] = steps / 2 * amplitude * np.exp(1j * (across * at + phase)).sum(axis=0)
+            heights[:, j] = np.fft.irfft(spectrum, steps)
+        return heights
 
-        s, y = np.asarray(s, float), np.asarray(y, float)
-        shape = np.broadcast_shapes(s.shape, y.shape)
-        if shape != (s.size, y.size):  # but for a grid, point by point
-            s, y = (each.ravel() for each in np.broadcast_arrays(s, y))
-        height = np.zeros((s.size, y.size) if shape == (s.size, y.size) else s.size)
-        along = np.exp(1j * np.outer(s, k))
-        for m, turn in zip(across, phase, strict=True):
-            sideways = amplitude * np.exp(1j * (np.outer(y, m) + turn))
-            height += (along @ sideways.T if height.ndim == 2 else (along * sideways).sum(axis=1)).real
-        return height.reshape(shape)
+    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+        """Heights on ``surface`` at lateral positions ``y``, m; those of a stretch are of that stretch alone."""
+        part = part_of(surface, self.start, self.length, self.ramp)
+        yield Patch(part.first, self.field(part.steps, surface.dx, y) * part.share[:, None])

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..irregularities import Breakout
+from ..irregularities import AnyIrregularity, Breakout
 from ..scenario import WHEELS
 
 KINDS: dict[int, type[Breakout]] = {0: Breakout}
@@ -19,11 +19,12 @@ MOST = 1000
 touches, in 20 to 40 ms: that is 2713 places a wheel at most."""
 
 
-def damage_fields(irregularities: Iterable[Breakout]) -> tuple[Mapping[str, float], ...]:
-    """``FIELDS`` of each irregularity."""
+def damage_fields(irregularities: Iterable[AnyIrregularity]) -> tuple[Mapping[str, float], ...]:
+    """``FIELDS`` of each breakout; other irregularities are in the scenario alone."""
     return tuple(
         {"wheel": WHEELS.index(item.on) + 1, "kind": 0} | {name: getattr(item, name) for name in NUMBERS}
         for item in irregularities
+        if isinstance(item, Breakout)
     )
 
 

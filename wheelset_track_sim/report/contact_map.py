@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.law import approach_for_force, build_contact_law, solve_patch
-from ..irregularities import Breakout
+from ..irregularities import Breakout, breakouts
 from ..scenario import WHEELS, Scenario
 from ..simulation.surfaces import contact_geometry
 from ..structures.wheelsets import load_any_wheelset
@@ -46,14 +46,14 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
     """
     wheelset, dx = load_any_wheelset(scenario.wheelset), scenario.step_length
     around = round(2 * math.pi * wheelset.rolling_radius / dx)
-    geometry = contact_geometry(scenario, wheelset)
-    law = build_contact_law(scenario.irregularities, geometry, dx, around, tables=False)
+    geometry, shapes = contact_geometry(scenario, wheelset), scenario.irregularities
+    law = build_contact_law(shapes, geometry, dx, around, rail_steps=scenario.line_steps, tables=False)
     tread_step = step - round(scenario.reference_position / dx)
     patch = solve_patch(law, wheel, tread_step, step, approach_for_force(law, wheel, tread_step, step, force))
     part_x, part_y = (_shown(patch.pressure.max(axis=axis) > 0) for axis in (1, 0))
     x, y = patch.x[part_x], patch.y[part_y]
     defects = []
-    for defect in scenario.irregularities:
+    for defect in breakouts(scenario.irregularities):
         centre = round(defect.angle / (2 * math.pi) * around)
         ahead = ((centre - tread_step + around // 2) % around - around // 2) * dx
         if defect.on == WHEELS[wheel] and x[0] - defect.half_length < ahead < x[-1] + defect.half_length:

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from ..contact.law_kernels import ContactLaw
 from ..scenario import Scenario
-from .passage import first_clear_step
+from .passage import passage
+
+START = 6
+"""Lengths of the contact area for which what is in it at the start may wait: longer things are there at once."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Condition:
     law: ContactLaw
     preload: NDArray[np.float64]
     """Approach of each wheel under the static load without dynamics, (2,) m."""
+    clear: bool = True
+    """Whether nothing that changes is in a contact patch when it comes into force."""
 
 
 @dataclass(frozen=True)
@@ -76,14 +81,19 @@ class Changes:
         """Accept a change, the next in ``number``, for the first step at which it can come into force.
 
         That is behind the block at hand and all earlier changes, from ``not_before`` on, with no irregularity that
-        changes in a contact patch.
+        changes in a contact patch; if that takes more than a turn of the wheel, where ``passage`` says, or at
+        ``not_before`` if that is where an earlier run has made it. At the start (``number`` 0) that wait is shorter.
         """
         with self._lock:
             last = self._queue[-1] if self._queue else self._in_force
             earliest = max(self._horizon, last.revision.step, not_before)
-            step = first_clear_step(last.law, law, earliest, self._tread_origin)
+            step, clear = passage(last.law, law, earliest, self._tread_origin)
+            if number == 0 and step - earliest > START * len(law.x):
+                clear = False
+            if not clear and (number == 0 or 0 < not_before == earliest):
+                step = earliest
             revision = Revision(last.revision.number + 1 if number is None else number, step)
-            self._queue.append(Condition(revision, scenario, law, preload))
+            self._queue.append(Condition(revision, scenario, law, preload, clear))
         return revision
 
     def due(self, step: int) -> Iterator[Condition]:

@@ -51,7 +51,7 @@ class Coupled:
         """
         self._make_ready(speed, ahead)
         law, steps = condition.law, len(preload)
-        tables = bool((law.table >= 0).all())
+        tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
         stress = np.empty((steps, len(self._models.dynamics.stress_rows)))
         xi = np.empty((steps, 2, 2))

@@ -33,7 +33,8 @@ def run(
     A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
     none = np.empty((0, 0))
-    period = law.tread.shape[1]
+    turn, line = law.table.shape[1], law.rail_table.shape[1]
+    tread, rail = (first_step - tread_origin) % turn, first_step % line
     bay = dynamics.rail_compliance.size
     for row in range(forces.shape[0]):
         step = first_step + row
@@ -42,8 +43,7 @@ def run(
             approach = preload[row, wheel] - xi[row, 0, wheel] - xi[row, 1, wheel]
             of_wheel, of_rail = dynamics.wheel_compliance[wheel], dynamics.rail_compliance[step % bay]
             compliance = of_wheel + of_rail
-            tread = (step - tread_origin) % period
-            force = tabulated_force(law, wheel, tread, approach, compliance)
+            force = tabulated_force(law, wheel, tread, rail, approach, compliance)
             if solver is not None:  # noqa: SIM102 - alone, so that the compiler leaves out what follows
                 if not np.isfinite(force):
                     force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
@@ -54,4 +54,6 @@ def run(
             xi[row, 1, wheel] += of_rail * force
         stresses(dynamics, forces[row], stress[row])
         advance(dynamics, step, forces[row])
+        tread, rail = tread + 1, rail + 1
+        tread, rail = 0 if tread == turn else tread, 0 if rail == line else rail
     return len(forces)

@@ -8,7 +8,7 @@ has to follow, then takes a quarter of a percent of the change, and its bounce o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,25 +31,42 @@ class Loading:
     """(2,) m, without the changes under way."""
     changes: tuple[tuple[float, Real], ...] = ()
     """Time at which each begins, s since step 0, and what it adds in the end, (2,) m."""
+    fading: tuple[tuple[float, Real], ...] = ()
+    """Time at which each begins to fade, s since step 0, and what it adds until then, (2,) m (``handover``)."""
 
     def changed(self, time: float, preload: Real) -> Self:
         """The same with a change that begins at ``time``, s, and leads to ``preload``, (2,) m."""
         added = preload - sum((rise for _, rise in self.changes), self.settled)
         if not added.any():
             return self
-        return type(self)(self.settled, (*self.changes, (time, added)))
+        return replace(self, changes=(*self.changes, (time, added)))
+
+    def raised(self, time: float, by: Real) -> Self:
+        """The same with an approach raised ``by`` (2,) m at ``time``, s, which fades as a change rises."""
+        return replace(self, fading=(*self.fading, (time, by))) if by.any() else self
 
     def over(self, time: float) -> Self:
         """The same without the changes that are over at ``time``, s: they are settled. It changes no bit."""
         settled, left = self.settled, self.changes
         while left and time - left[0][0] >= RISE:
             settled, left = settled + left[0][1], left[1:]
-        return self if left is self.changes else type(self)(settled, left)
+        fading = self.fading
+        while fading and time - fading[0][0] >= RISE:
+            fading = fading[1:]
+        if left is self.changes and fading is self.fading:
+            return self
+        return type(self)(settled, left, fading)
 
     def at(self, times: Real) -> Real:
         """Preload at ``times`` (n,) s: (n, 2) m."""
         preload = np.tile(self.settled, (len(times), 1))
         for begin, added in self.changes:
-            share = 0.5 - 0.5 * np.cos(np.pi * np.clip((times - begin) / RISE, 0.0, 1.0))
-            preload += share[:, np.newaxis] * added
+            preload += _risen(times - begin)[:, np.newaxis] * added
+        for begin, added in self.fading:
+            preload += (1.0 - _risen(times - begin))[:, np.newaxis] * added
         return preload
+
+
+def _risen(times: Real) -> Real:
+    """Share of a change that bears ``times`` s after its begin."""
+    return 0.5 - 0.5 * np.cos(np.pi * np.clip(times / RISE, 0.0, 1.0))

@@ -16,7 +16,7 @@ from ..contact.geometry import ContactGeometry
 from ..contact.law import build_contact_law
 from ..contact.law_kernels import ContactLaw
 from ..errors import InputError
-from ..irregularities import Breakout
+from ..irregularities import Irregularity, line_steps
 from ..scenario import Scenario
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track, load_track
@@ -35,7 +35,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(eq=False)
 class Models:
-    """Everything that is built before a run and that changes of tread damage and speed leave as it is."""
+    """Everything that is built before a run and that changes of irregularities and speed leave as it is."""
 
     wheelset: AnyWheelset
     reduced: ReducedWheelset
@@ -50,8 +50,16 @@ class Models:
     """Which contacts have tables, as for ``build_contact_law``."""
     _smooth: ContactLaw | None = field(default=None, repr=False)
 
-    def contact_law(self, irregularities: Sequence[Breakout], progress: Progress | None = None) -> ContactLaw:
-        """Contact law of treads with these irregularities, with a state of its own."""
+    def contact_law(
+        self,
+        irregularities: Sequence[Irregularity],
+        progress: Progress | None = None,
+        line_length: float | None = None,
+    ) -> ContactLaw:
+        """Contact law of treads and rails with these irregularities, with a state of its own.
+
+        Those of rails repeat after ``line_length``, m, or after as much as they need if None.
+        """
         if not irregularities and self._smooth is not None:
             return with_own_state(self._smooth)
         law = build_contact_law(
@@ -59,6 +67,7 @@ class Models:
             self.geometry,
             self.step_length,
             self.steps_per_revolution,
+            rail_steps=line_steps(irregularities, line_length, self.step_length),
             tables=self.tables,
             progress=None if progress is None else partial(progress, "contact tables"),
         )

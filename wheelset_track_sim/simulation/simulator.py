@@ -18,6 +18,7 @@ from .changes import Revision as Revision
 from .contacts import Contact
 from .coupled import AHEAD, Coupled
 from .finite import require_finite
+from .handover import handover
 from .loading import Loading
 from .models import Models, load_models
 from .speed import Course, Stretch
@@ -29,7 +30,7 @@ SETTLING = 1.0
 """Time of smooth running before step 0, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the difference
 between standing and running, which is itself below 1 % of the static load."""
 
-CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities", "loads")
+CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities", "line_length", "loads")
 """Scenario keys that may change during a run; the models do not depend on them."""
 
 REMEMBERED = 10_000
@@ -64,9 +65,9 @@ class Simulator:
         self._coupled = Coupled(self._models, scenario.wheel_load, start.step - settling, start.speed)
         self._loading = Loading(smooth.preload)
         self._preload = np.tile(smooth.preload, (settling, 1))
-        self._coupled.run(smooth, start.speed, self._preload)
+        self._forces = self._coupled.run(smooth, start.speed, self._preload)[0][-1]
         self._changes = Changes(smooth, self._models.tread_origin)
-        law = self._models.contact_law(scenario.irregularities, progress)
+        law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
         self._changes.add(scenario, law, smooth.preload, number=0)
         self._course = Course((start,), scenario.step_length).redirected(
             start.step, start.set_point, scenario.acceleration, scenario.speed_plan
@@ -160,9 +161,10 @@ class Simulator:
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
         It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
-        changes is in the contact patch; after one turn of the wheel at the latest. From there on a changed load rises
-        (``loading``), and there the ramps to a changed ``speed`` and torque begin, which then end their plans for good;
-        without the plan in ``scenario`` it ends at an unchanged value, too.
+        changes is in the contact patch; after one turn of the wheel at the latest, with a ``handover`` if it is never
+        out of it. From there on a changed load rises (``loading``), and there the ramps to a changed ``speed`` and
+        torque begin, which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged
+        value, too.
         """
         newest = self._changes.newest
         current = newest.scenario
@@ -179,8 +181,9 @@ class Simulator:
             scenario = dataclasses.replace(scenario, speed_plan=())
         if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
-        same = scenario.irregularities == current.irregularities
-        law = newest.law if same else self._models.contact_law(scenario.irregularities, progress)
+        shape, line = scenario.irregularities, scenario.line_length
+        same = (shape, line) == (current.irregularities, current.line_length)
+        law = newest.law if same else self._models.contact_law(shape, progress, line)
         return self._changes.add(scenario, law, self._preload_for(scenario), not_before=not_before)
 
     def advance(self, steps: int) -> SampleBlock:
@@ -203,6 +206,7 @@ class Simulator:
         times = on.time + rows * (scenario.step_length / on.speed)
         self._preload = self._loading.at(times)
         forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
+        self._forces = forces[-1]
         require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
@@ -234,10 +238,13 @@ class Simulator:
 
     def _install_due(self) -> None:
         """Conditions that are due; course and loading from here on if they are others."""
-        before, time = self.in_force, self.time
+        before, time, law = self.in_force, self.time, self._changes.in_force.law
         self._loading = self._loading.over(time)
         for condition in self._changes.due(self.next_step):
-            now = condition.scenario
+            if not condition.clear:
+                step, origin = self.next_step, self._models.tread_origin
+                self._loading = self._loading.raised(time, handover(law, condition.law, step, origin, self._forces))
+            now, law = condition.scenario, condition.law
             if any(getattr(now, key) != getattr(before, key) for key in ("speed", "acceleration", "speed_plan")):
                 set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed
                 self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from .. import __version__, contact, green, irregularities, simulation, stress, structures
 from ..cache import digest
 from ..errors import WheelsetTrackError
-from ..irregularities import tread_heights
+from ..irregularities import rail_heights, tread_heights
+from ..irregularities.surface import RAILS
 from ..scenario import WHEELS, Scenario
 from ..simulation.block import SampleBlock
 from ..simulation.models import Models, load_models
@@ -138,6 +139,7 @@ ANY: dict[str, Any] = {
     "speed_plan": (),
     "axle_load": 2e5,
     "irregularities": (),
+    "line_length": None,
 }
 """Values for the keys on which models do not depend."""
 
@@ -154,16 +156,15 @@ def history(name: str, simulator: Simulator, block: SampleBlock) -> Real:
     if name == "displacements":
         return simulator.displacements
     common, scenario = simulator.models, simulator.in_force
-    turn = common.steps_per_revolution
-    at = (block.first_step + np.arange(len(block)) - common.tread_origin) % turn
-    places = [common.geometry.touch(wheel) - common.geometry.rolling_circle(wheel) for wheel in (0, 1)]
-    heights: Real = np.stack(
-        [
-            tread_heights(scenario.irregularities, wheel, turn, common.step_length, np.array([y]))[at, 0]
-            for wheel, y in zip(WHEELS, places, strict=True)
-        ],
-        axis=1,
-    )
+    steps, dx = block.first_step + np.arange(len(block)), common.step_length
+    turn, line = common.steps_per_revolution, scenario.line_steps
+    heights = np.empty((len(block), 2))
+    for wheel, (on_wheel, on_rail) in enumerate(zip(WHEELS, RAILS, strict=True)):
+        touch = np.array([common.geometry.touch(wheel)])
+        of_tread = touch - common.geometry.rolling_circle(wheel)
+        tread = tread_heights(scenario.irregularities, on_wheel, turn, dx, of_tread)
+        rail = rail_heights(scenario.irregularities, on_rail, line, dx, touch)
+        heights[:, wheel] = tread[(steps - common.tread_origin) % turn, 0] + rail.heights[rail.row[steps % line], 0]
     return heights
 
 

@@ -12,6 +12,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.patches import Ellipse
 
 from ..errors import InputError
+from ..irregularities import breakouts
 from . import drawing
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class PressureMaps:
         mesh = axes.pcolormesh(x, y, shown.T / 1e9, vmin=0, vmax=peak / 1e9, cmap="inferno_r", shading="nearest")
         mesh.set_rasterized(True)
         behind = 1e3 * (position - run.scenario.reference_position)
-        for defect in run.scenario.irregularities:
+        for defect in breakouts(run.scenario.irregularities):
             if defect.on == self.wheel and defect.angle == 0:
                 rim: Any = {"fill": False, "linestyle": (0, (4, 3)), "linewidth": 0.9, "edgecolor": "#444444"}
                 centre = (

@@ -80,6 +80,6 @@ def published(scenario: Scenario, output: str) -> float:
     bays = scenario.reference_position / SLEEPER_SPACING
     if scenario.max_frequency not in (None, PAPER_BAND) or not math.isclose(bays, round(bays), abs_tol=1e-6):
         return math.nan
-    damage = tuple(defect for defect in scenario.irregularities if defect.h > 0)
+    damage = tuple(defect for defect in scenario.irregularities if getattr(defect, "h", 1.0) != 0.0)
     case = published_case(dataclasses.replace(scenario, irregularities=damage))
     return value_of(case.printed, output) if case else math.nan

@@ -1,0 +1,198 @@
+"""Measured treads and rails, from a file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.signal import resample_poly
+
+from .. import shipped
+from ..errors import InputError
+from ..schema import quantity
+from .sample_file import Samples, read_table, samples_of
+from .stretch import part_of, ramp, start
+from .surface import RAILS, WHEELS, Patch, Surface, check_shape
+
+Real = NDArray[np.float64]
+
+ALONG = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
+ACROSS = {"m": 1.0, "mm": 1e-3}
+HEIGHT = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+GAP = 2.5
+"""Distances between neighbouring samples above this many times the median are gaps."""
+CLOSING = 0.2
+"""Share of the circumference by which samples given in m may be longer or shorter than it: wheels wear."""
+FINEST = 64
+"""Samples a step at most that a filter takes in."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Measured heights r(along) or r(along, across); only their deviations count.
+
+    ``file`` is a CSV or NumPy file (``.npy``), a path or one that is shipped. Two columns are position along and
+    height; more are a table: positions across in the first row, along in the first column.
+    A tread is taken once around, by angle or by length, which is then scaled to the circumference, and has its mean
+    taken off. A rail begins at ``start``, has the straight line through it taken off, and rises and falls over
+    ``ramp``; with ``repeat`` it repeats all along. Waves shorter than two steps are filtered out first, so that they do
+    not appear as longer ones.
+    """
+
+    type: ClassVar[str] = "profile"
+
+    on: Literal["wheel_1", "wheel_2", "rail_1", "rail_2"]
+    file: str
+    along: Literal["rad", "deg", "m", "mm"]
+    """Unit of positions along the surface; rails take m and mm."""
+    height: Literal["m", "mm", "um"]
+    """Unit of heights or radii."""
+    across: Literal["m", "mm"] = "mm"
+    """Unit of lateral positions."""
+    gaps: Literal["refuse", "fill"] = "refuse"
+    """What becomes of missing samples: ``fill`` interpolates between their neighbours."""
+    angle: float = quantity("rad", -2 * np.pi, 2 * np.pi, "angle on the wheel of position 0", default=0.0)
+    start: float = start()
+    ramp: float = ramp()
+    repeat: bool = False
+    table: str = ""
+    """Content of the file, a row a line; read from it if empty, so that a scenario and its bag need no other file."""
+
+    def __post_init__(self) -> None:
+        check_shape(self, (*WHEELS, *RAILS))
+        for name, known in (("along", ALONG), ("height", HEIGHT), ("across", ACROSS)):
+            if getattr(self, name) not in known:
+                raise InputError(f"{name} = {getattr(self, name)!r} is not a known unit: give {', '.join(known)}")
+        if self.on in RAILS and self.along not in ACROSS:
+            raise InputError(f"along = {self.along} is not of rails: give m or mm for {self.on}")
+        if self.on in WHEELS and (self.start or self.repeat):
+            raise InputError(f"start and repeat are of rails: leave them out for {self.on}, and give angle")
+        if not self.table:
+            object.__setattr__(self, "table", read_table(shipped.located("measured", self.file)))
+        _ = self.samples
+
+    @cached_property
+    def samples(self) -> Samples:
+        """Samples in m and rad, in their order along the surface, without gaps."""
+        found = samples_of(self.table, self.file)
+        along, values = found.along * ALONG[self.along], found.values * HEIGHT[self.height]
+        around = 2 * math.pi if self.along in ("rad", "deg") else 0.0
+        along = along % around if around else along
+        order = np.argsort(along, kind="stable")
+        along, values, across = along[order], values[order], found.across
+        if across is not None:
+            order = np.argsort(across)
+            across, values = across[order] * ACROSS[self.across], values[:, order]
+        return _whole(Samples(along, values, across), around, self.gaps, self.file)
+
+    @property
+    def end(self) -> float:
+        """Position where it ends, m."""
+        return self.start + float(np.ptp(self.samples.along))
+
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
+        """Heights on ``surface`` at lateral positions ``y``, m; beyond the samples across, those at the edge."""
+        if surface.name in WHEELS:
+            yield Patch(surface.at_angle(self.angle), self._across(self._around(surface), y))
+            return
+        heights = self._along(surface.dx)
+        first = surface.at(self.start)
+        if self.repeat:
+            if surface.steps % len(heights):
+                raise InputError(
+                    f"{self.file} repeats after {len(heights) * surface.dx:g} m, the line after {surface.length:g} m: "
+                    f"give a line_length of {math.ceil(surface.steps / len(heights)) * len(heights) * surface.dx:g} m"
+                )
+            heights = np.tile(heights - heights.mean(), (surface.steps // len(heights), 1))
+        else:
+            share = part_of(surface, self.start, (len(heights) - 1) * surface.dx, self.ramp).share
+            heights = (heights - _line(heights)) * share[:, None]
+        yield Patch(first, self._across(heights, y))
+
+    def _around(self, surface: Surface) -> Real:
+        """Heights at the steps of a tread, (steps, columns): the waves that steps can hold, each as it is."""
+        along, values = self.samples.along, self.samples.values
+        turn = along * (2 * math.pi / self._turn) if self.along in ACROSS else along
+        steps, count = surface.steps, len(turn)
+        even = turn[0] + 2 * math.pi / count * np.arange(count)
+        if np.abs(turn - even).max() > 1e-4 * 2 * math.pi / count:
+            count = max(steps, min(math.ceil(2 * math.pi / np.diff(turn).min()), FINEST * steps))
+            even = turn[0] + 2 * math.pi / count * np.arange(count)
+            around = [turn[-3:] - 2 * math.pi, turn, turn[:3] + 2 * math.pi]
+            ends = np.concatenate([values[-3:], values, values[:3]])
+            values = PchipInterpolator(np.concatenate(around), ends)(even)
+        spectrum = np.fft.rfft(values - values.mean(), axis=0)[: (min(count, steps) + 1) // 2]
+        turned = np.exp(-1j * np.arange(len(spectrum)) * turn[0])[:, None]
+        return np.fft.irfft(spectrum * turned, steps, axis=0) * (steps / count)
+
+    def _along(self, dx: float) -> Real:
+        """Heights at steps of a rail, (steps, columns)."""
+        along, values = self.samples.along, self.samples.values
+        finer = min(max(1, math.ceil(dx / np.median(np.diff(along)) - 1e-6)), FINEST)
+        steps = math.floor(np.ptp(along) / dx + 1e-6) + 1
+        even = along[0] + np.arange((steps - 1) * finer + 1) * (dx / finer)
+        fine = PchipInterpolator(along, values)(np.minimum(even, along[-1]))
+        return fine if finer == 1 else np.asarray(resample_poly(fine, 1, finer, axis=0, padtype="line"))
+
+    def _across(self, heights: Real, y: Real) -> Real:
+        """Heights of the columns at lateral positions ``y``, m."""
+        if self.samples.across is None:
+            return heights
+        share = [np.interp(y, self.samples.across, one) for one in np.eye(len(self.samples.across))]
+        return heights @ np.array(share)
+
+    @property
+    def _turn(self) -> float:
+        """Length of the samples once around, m."""
+        along = self.samples.along
+        return float(np.ptp(along) + np.median(np.diff(along)))
+
+
+def located_beside(data: dict[str, object], scenario: Path) -> None:
+    """Let files that the irregularities of a plain scenario name be found beside its own file."""
+    items = data.get("irregularities")
+    for item in items if isinstance(items, list) else []:
+        name = item.get("file") if isinstance(item, dict) else None
+        if isinstance(name, str) and not Path(name).is_absolute() and (scenario.parent / name).is_file():
+            item["file"] = str(scenario.parent / name)
+
+
+def _whole(samples: Samples, around: float, gaps: str, file: str) -> Samples:
+    """The samples with their gaps filled, or InputError; ``around`` is what they repeat after, 0 if they do not."""
+    along, values = samples.along, samples.values.copy()
+    distance = np.diff(along, append=along[0] + around) if around else np.diff(along)
+    typical = float(np.median(distance))
+    if not distance.min() > 1e-9 * typical:
+        where = along[int(np.argmin(distance))]
+        raise InputError(f"{file} has two samples at {where:g}: give one for each position, rising")
+    missing = np.isnan(values)
+    wide = np.flatnonzero(distance > GAP * typical)
+    if gaps == "refuse" and (missing.any() or len(wide)):
+        place = along[np.flatnonzero(missing.any(axis=1))[0]] if missing.any() else along[wide[0]]
+        kind = "no value" if missing.any() else f"no sample for {distance[wide[0]]:.3g}"
+        raise InputError(f"{file} has {kind} at {place:.4g} (rad or m): complete it, or give gaps: fill")
+    if len(wide):
+        inside = [np.arange(1, math.ceil(distance[at] / typical)) * typical + along[at] for at in wide]
+        added = np.concatenate(inside)
+        order = np.argsort(np.concatenate([along, added]), kind="stable")
+        holes = np.full((len(added), values.shape[1]), np.nan)
+        along, values = np.concatenate([along, added])[order], np.concatenate([values, holes])[order]
+    for column in values.T:
+        known = np.isfinite(column)
+        if known.sum() < 4:
+            raise InputError(f"{file} has {known.sum()} values in a column: give at least 4")
+        column[~known] = np.interp(along[~known], along[known], column[known], period=around or None)
+    return Samples(along, values, samples.across)
+
+
+def _line(values: Real) -> Real:
+    """The straight line through the mean over the columns, (steps, 1)."""
+    mean, x = values.mean(axis=1), np.linspace(-1.0, 1.0, len(values))
+    return np.asarray(np.polynomial.Polynomial.fit(x, mean, 1)(x))[:, None]
