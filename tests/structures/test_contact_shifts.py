@@ -11,6 +11,7 @@ from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheel
 SHIFTS = (-0.010, -0.006)
 
 
+@pytest.mark.slow
 def test_the_axle_bends_by_the_arms_of_the_forces():
     """Bending of a beam on the axle boxes: what a shift of the contacts changes of the stress on the axle's top."""
     x40 = load_wheelset("x40")
