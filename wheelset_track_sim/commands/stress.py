@@ -21,8 +21,7 @@ from ..recording import BagWriter, RunInfo
 from ..schema import check, quantity
 from ..simulation.block import COMPONENTS, SampleBlock
 from ..stress.from_forces import stresses_from_forces
-from ..structures.wheelset import load_wheelset
-from ..structures.wheelset_reduction import reduced_wheelset
+from ..structures.wheelsets import load_any_wheelset, reduce_wheelset
 from .progress import shown
 
 CHUNK = 1000
@@ -43,10 +42,10 @@ def stress(
     forces: Path, wheelset: str, nodes: Sequence[str] | None, speed: float | None, out: Path | None, *, json: bool
 ) -> int:
     """Work out the stresses, write and print them; returns the exit status."""
-    described = load_wheelset(wheelset)
+    described = load_any_wheelset(wheelset)
     block = _block(forces, speed)
     with shown() as progress:
-        reduced = reduced_wheelset(described, progress=progress)
+        reduced = reduce_wheelset(described, progress)
     found = stresses_from_forces(reduced, block.forces, block.step_period, nodes)
     names = reduced.node_names if nodes is None else tuple(nodes)
     block = _with(block, found, names)
