@@ -113,6 +113,12 @@ def test_one_bag_at_a_time(recorder, tmp_path, run_blocks):
     with pytest.raises(InputError, match="exists already"):
         begin(recorder, tmp_path / "run")
     assert recorder.path == ""
+    assert recorder.status.level == Level.ERROR
+    assert recorder.status.message.startswith(f"not begun: {tmp_path / 'run'} exists already")
+    begin(recorder, tmp_path / "other")
+    assert (recorder.status.level, recorder.status.message) == (Level.OK, f"to {tmp_path / 'other'}")
+    recorder.stop().result()
+    assert recorder.status.message == "none"
 
 
 def test_of_two_that_begin_at_once_one_is_taken(recorder, tmp_path, run_blocks):

@@ -42,8 +42,7 @@ class Recordings:
             self.client.arrived.notify_all()
 
     def until_failed(self, why):
-        self.client.until(lambda: self.status and self.status[-1].level == ERROR)
-        assert why in self.status[-1].message
+        self.client.until(lambda: self.status and self.status[-1].level == ERROR and why in self.status[-1].message)
         self.client.until(lambda: self.states[-1].recording == "")
         seen = len(self.forces)
         self.client.until(lambda: len(self.forces) > seen + 3)  # the stream goes on
@@ -165,6 +164,7 @@ def test_a_bag_that_is_taken_away_is_told(start, recordings, tmp_path):
     recordings.run_on(0.2)
     assert recordings.trigger("stop_recording").success
     assert "exists already" in recordings.start("run").message
+    recordings.until_failed("not begun: ")
     assert len(read(tmp_path / "run")) > 5000
 
 

@@ -138,20 +138,33 @@ def pace_status(pace: PaceFigures, limits: Limits) -> Status:
     )
 
 
-def recording_status(path: str, lost: Exception | None, waiting: int = 0, buffer_size: int = 0) -> Status:
-    """Status of the bag: ``path`` of the one that is open, or empty; ``lost`` is what it lost, or ended one for.
+@dataclass(frozen=True)
+class RecordingFigures:
+    """How the bag is."""
 
-    ``waiting`` of ``buffer_size`` bytes wait for the disk.
-    """
-    values = _values(waiting_bytes=waiting, buffer_size_bytes=buffer_size)
-    if lost is not None:
-        return Status(
-            "recording", Level.ERROR, f"to {path}: {lost}" if path else f"ended before its time: {lost}", values
-        )
-    if path and waiting > buffer_size / 2:
-        told = f"to {path}: the disk is slow, {waiting / 1e6:.0f} of {buffer_size / 1e6:.0f} MB wait for it"
-        return Status("recording", Level.WARN, told, values)
-    return Status("recording", Level.OK, f"to {path}" if path else "none", values)
+    path: str = ""
+    """Of the one that is open; empty if there is none."""
+    lost: Exception | None = None
+    """What it lost, or ended the last one before its time for."""
+    refused: Exception | None = None
+    """Why none could begin."""
+    waiting: int = 0
+    """Bytes that wait for the disk."""
+    buffer_size: int = 0
+    """Bytes that may."""
+
+
+def recording_status(bag: RecordingFigures) -> Status:
+    """Status of the bag."""
+    level, told = Level.OK, f"to {bag.path}" if bag.path else "none"
+    if bag.lost is not None:
+        level, told = Level.ERROR, f"{told}: {bag.lost}" if bag.path else f"ended before its time: {bag.lost}"
+    elif bag.refused is not None and not bag.path:
+        level, told = Level.ERROR, f"not begun: {bag.refused}"
+    elif bag.path and bag.waiting > bag.buffer_size / 2:
+        told += f": the disk is slow, {bag.waiting / 1e6:.0f} of {bag.buffer_size / 1e6:.0f} MB wait for it"
+        level = Level.WARN
+    return Status("recording", level, told, _values(waiting_bytes=bag.waiting, buffer_size_bytes=bag.buffer_size))
 
 
 def _level(value: float, warn: float, error: float) -> Level:

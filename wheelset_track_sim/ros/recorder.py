@@ -11,7 +11,7 @@ from itertools import count
 from pathlib import Path
 
 from ..errors import InputError, RecordingError
-from ..monitoring.status import Status, recording_status
+from ..monitoring.status import RecordingFigures, Status, recording_status
 from ..recording.buffered import BufferedWriter
 from ..recording.messages import Message
 from ..recording.origin import run_info
@@ -40,6 +40,7 @@ class Recorder:
         """Of the recordings that begin from now on."""
         self.patient = False
         """Whether samples wait for the disk, because nobody keeps time."""
+        self._refused: InputError | None = None
         self.lost: RecordingError | None = None
         """What the last recording lost, or ended before its time for."""
 
@@ -53,7 +54,9 @@ class Recorder:
     def status(self) -> Status:
         """How the recording is."""
         bag = self._bag
-        return recording_status(self.path, self.lost, bag.waiting if bag else 0, self.settings.buffer_size)
+        waiting = bag.waiting if bag else 0
+        figures = RecordingFigures(self.path, self.lost, self._refused, waiting, self.settings.buffer_size)
+        return recording_status(figures)
 
     def open(self, path: Path, simulator: Simulator, start_ns: int) -> BufferedWriter:
         """Open a bag for ``take``, which waits for the disk; ``start_ns`` is the time stamp of step 0, ns.
@@ -62,7 +65,11 @@ class Recorder:
         """
         self._require_none()
         info, settings = run_info(simulator), self.settings
-        bag = writer_of(path, info, settings, start_ns=start_ns, prefix=self._prefix)
+        try:
+            bag = writer_of(path, info, settings, start_ns=start_ns, prefix=self._prefix)
+        except InputError as refusal:
+            self._refused = refusal
+            raise
         return BufferedWriter(bag, settings.buffer_size, partial(self._on_loss, bag.path))
 
     def take(self, bag: BufferedWriter) -> None:
@@ -70,7 +77,7 @@ class Recorder:
         with self._lock:
             if self._bag is None:
                 self._first = self._first if bag.path == self._beside else bag.path
-                self._bag, self.lost = bag, None
+                self._bag, self.lost, self._refused = bag, None, None
                 return
         bag.discard()
         self._require_none()
