@@ -40,6 +40,8 @@ def report(
         comparison = compare(Bag(bag).blocks(), read_measurement(measured), matching)
     console = Console()
     console.print(summary_table(run))
+    for loss in run.losses:
+        console.print(f"lost: {loss}", highlight=False, soft_wrap=True, markup=False)
     picture = page.with_suffix(".png")
     plot_run(run, picture)
     write_report(run, page, comparison)

@@ -46,6 +46,7 @@ for (const number of numbers) {
       if (low[at] < least) least = low[at]
       if (high[at] > largest) largest = high[at]
     }
+    if (least > largest) least = largest = NaN // all of it is missing
     const rising = before - least < largest - before // the nearer one first: a curve that only rises stays smooth
     values[2 * i] = rising ? least : largest
     values[2 * i + 1] = before = rising ? largest : least

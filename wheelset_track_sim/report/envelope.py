@@ -31,7 +31,10 @@ class Bins:
 
 
 class Envelope:
-    """Collects the bins of a run: full resolution at first, half of it whenever the bins are all in use."""
+    """Collects the bins of a run: full resolution at first, half of it whenever the bins are all in use.
+
+    Samples that are NaN are not there; a bin without any is NaN.
+    """
 
     def __init__(self, capacity: int = CAPACITY) -> None:
         """``capacity`` is the largest number of bins, even."""
@@ -67,21 +70,22 @@ class Envelope:
         if self._rest is not None and len(self._rest):
             values = self._rest.values
             time = np.append(time, self._rest.time[0])
-            low, high = np.vstack([low, values.min(axis=0)]), np.vstack([high, values.max(axis=0)])
+            low = np.vstack([low, np.fmin.reduce(values, axis=0)])
+            high = np.vstack([high, np.fmax.reduce(values, axis=0)])
         return Bins(self._size, self._first_step, time, low, high)
 
     def _fill(self, time: NDArray[np.float64], values: NDArray[np.float64]) -> None:
         parts = values.reshape(-1, self._size, values.shape[1])
         target = slice(self._count, self._count + len(parts))
         self._time[target] = time[:: self._size]
-        self._low[target], self._high[target] = parts.min(axis=1), parts.max(axis=1)
+        self._low[target], self._high[target] = np.fmin.reduce(parts, axis=1), np.fmax.reduce(parts, axis=1)
         self._count += len(parts)
 
     def _halve(self) -> None:
         half = self._count // 2
         self._time[:half] = self._time[::2]
-        self._low[:half] = np.minimum(self._low[::2], self._low[1::2])
-        self._high[:half] = np.maximum(self._high[::2], self._high[1::2])
+        self._low[:half] = np.fmin(self._low[::2], self._low[1::2])
+        self._high[:half] = np.fmax(self._high[::2], self._high[1::2])
         self._count = half
         self._size *= 2
 

@@ -54,9 +54,9 @@ def time_plots(run: Survey) -> LayoutDOM:
         for limit, values in (("low", found.low), ("high", found.high)):
             columns[f"{limit}{number}"] = (values[:, number] / units[number]).astype(np.float32)
     samples = ColumnDataSource(columns)
-    end = run.start + run.duration
+    end = run.end
     extremes = {
-        f"value{number}": np.array([columns[f"low{number}"].min(), columns[f"high{number}"].max()])
+        f"value{number}": np.array([np.nanmin(columns[f"low{number}"]), np.nanmax(columns[f"high{number}"])])
         for number in range(len(names))
     }
     shown = ColumnDataSource({"time": np.array([run.start, end])} | extremes, name="shown")

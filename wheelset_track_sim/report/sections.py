@@ -18,6 +18,8 @@ VIEW = 0.010, 0.030
 """Time shown before and after an impact, s."""
 MOST_IMPACTS = 100
 """Most impacts that are listed."""
+MOST_LOSSES = 50
+"""Most losses that are listed."""
 MOST_STATES = 200
 """Most revisions that are listed."""
 
@@ -40,10 +42,22 @@ def peaks(run: Survey) -> str:
     return f"<h2>Peaks</h2>{table}{note}"
 
 
+def losses(run: Survey) -> str:
+    """What of the bag is damaged or missing; nothing if it is whole."""
+    if not run.losses:
+        return ""
+    listed = "".join(f"<li>{escape(str(loss))}</li>" for loss in run.losses[:MOST_LOSSES])
+    more = len(run.losses) - MOST_LOSSES
+    rest = f"<li>and {more} more, which info lists</li>" if more > 0 else ""
+    return (
+        "<h2>This bag is not whole</h2><p>All figures are of what can be read of it. Missing or damaged are:</p>"
+        f"<ul>{listed}{rest}</ul>"
+    )
+
+
 def over_time(run: Survey, plot: str) -> str:
     """Plots over time, with buttons that move the time axis, and what is drawn."""
-    end = run.start + run.duration
-    buttons = f"{_button('Whole run', run.start, end)} {_button('Largest force', *_around(run.peak.time))}"
+    buttons = f"{_button('Whole run', run.start, run.end)} {_button('Largest force', *_around(run.peak.time))}"
     bins = run.bins
     if bins.size == 1:
         drawn = "Every step is drawn."

@@ -40,7 +40,7 @@ class Welch:
     def push(self, speed: float, step_period: float, values: NDArray[np.float64]) -> None:
         """Add the samples that follow, (samples, columns), at ``speed``, m/s, and ``step_period``, s."""
         if (speed, step_period) != self._at:
-            self._leave()
+            self.leave()
             self._at, self._rest = (speed, step_period), values[:0]
         rest = np.concatenate([self._rest, values])
         start = 0
@@ -49,12 +49,18 @@ class Welch:
             start += self._segment // 2
         self._rest = rest[start:]
 
+    def leave(self) -> None:
+        """End a stretch: what is pushed next does not follow."""
+        if self._longest is None or len(self._rest) > len(self._longest[2]):
+            self._longest = *self._at, self._rest
+        self._rest = self._rest[:0]
+
     def spectrum(self) -> Spectrum | None:
         """The spectrum at the speed with the most segments; of the longest stretch if there is no whole segment.
 
         None if that is too short.
         """
-        self._leave()
+        self.leave()
         if self._sums:
             speed, (count, step_period, total) = max(self._sums.items(), key=lambda item: item[1][0])
             frequency = np.arange(self._segment // 2 + 1) / (self._segment * step_period)
@@ -69,10 +75,6 @@ class Welch:
         density = _density(values, step_period)[1]
         count, _, total = self._sums.get(speed, (0, step_period, np.zeros_like(density)))
         self._sums[speed] = count + 1, step_period, total + density
-
-    def _leave(self) -> None:
-        if self._longest is None or len(self._rest) > len(self._longest[2]):
-            self._longest = *self._at, self._rest
 
 
 def _density(values: NDArray[np.float64], step_period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..recording import Bag, RunInfo, State
+from ..recording import Bag, Loss, RunInfo, State
 from ..scenario import Scenario, scenario_from
 from ..simulation.block import SampleBlock
 from ..simulation.impacts import Impact, ImpactDetector, ImpactSettings
@@ -28,6 +28,8 @@ BEFORE, AFTER = 0.9, 1.8
 """Track of a close-up before and after a peak, m: about one turn of the wheel."""
 BAYS = 3
 """Length of the passage that the paper prints; the damage meets the rail in its middle, as in the studies."""
+AT_ONCE = 2**16
+"""Steps of a gap that are passed at once."""
 ROUNDING = 1e-6
 """Far below a step and far above the rounding of a position, m."""
 
@@ -78,10 +80,12 @@ class Survey:
     steps: int
     start: float
     """Simulated time of the first sample, s."""
+    end: float
+    """Simulated time behind the last sample, s."""
     duration: float
-    """s"""
+    """Of all samples, s."""
     distance: float
-    """m"""
+    """Of all samples, m."""
     speeds: tuple[tuple[float, float], ...]
     """Speed, m/s, from a time on, s."""
     summary: Summary
@@ -94,6 +98,8 @@ class Survey:
     threshold: float
     """Force that makes an impact, N; NaN if impacts are not looked for, because the wheel is unknown."""
     impacts: tuple[Impact, ...]
+    losses: tuple[Loss, ...] = ()
+    """What of the bag is damaged or missing."""
 
     @property
     def wheel_load(self) -> float:
@@ -108,12 +114,14 @@ class Survey:
 
 
 def survey(path: Path, settings: ImpactSettings | None = None) -> Survey:
-    """Survey of a bag, with impacts as the settings say.
+    """Survey of a bag, with impacts as the settings say; of what can be read of it, if it is damaged or has gaps.
 
-    Raises RecordingError in one line if the bag is missing, damaged, has gaps or holds no run.
+    Raises RecordingError in one line if the bag is missing or holds no run.
     """
-    bag = Bag(path)
-    return survey_of(bag.events(), bag.info, bag.start_ns, bag.path, settings)
+    losses: list[Loss] = []
+    bag = Bag(path, losses.append)
+    found = survey_of(bag.events(), bag.info, bag.start_ns, bag.path, settings)
+    return dataclasses.replace(found, losses=tuple(losses))
 
 
 def survey_of(
@@ -123,7 +131,7 @@ def survey_of(
     path: Path,
     settings: ImpactSettings | None = None,
 ) -> Survey:
-    """Survey of blocks without gaps, and states where they stand among them."""
+    """Survey of blocks in their order, and states where they stand among them."""
     collected: _Collected | None = None
     states: list[State] = []
     for event in events:
@@ -151,24 +159,29 @@ class _Collected:
         self._total: Summary | None = None
         self._peak: Peak | None = None
         self._speeds: list[tuple[float, float]] = []
-        self._duration = 0.0
+        self._steps, self._duration = 0, 0.0
         passage = _passage(self._scenario, info.sleeper_spacing)
         self._passage = passage if passage and first.position <= passage[1] + ROUNDING else None
         self._passed: list[tuple[Summary, Samples]] = []
         self._radius, self._threshold = _rolling_radius(self._scenario), math.nan
         self._impacts: list[Impact] = []
-        self._detector: ImpactDetector | None = None
+        self._settings, self._detector = settings, self._new_detector(settings)
         self.wheel_load = math.nan
-        if self._scenario and not math.isnan(self._radius):
+        if self._detector and self._scenario:
             self.wheel_load = self._scenario.wheel_load
             self._threshold = settings.threshold
-            self._detector = ImpactDetector(
-                round(2 * math.pi * self._radius / dx),
-                round(self._scenario.reference_position / dx),
-                settings,
-            )
+
+    def _new_detector(self, settings: ImpactSettings) -> ImpactDetector | None:
+        """None if the wheel is unknown."""
+        if self._scenario is None or math.isnan(self._radius):
+            return None
+        dx = self._first.speed * self._first.step_period
+        turn, origin = round(2 * math.pi * self._radius / dx), round(self._scenario.reference_position / dx)
+        return ImpactDetector(turn, origin, settings)
 
     def push(self, block: SampleBlock, wheel_load: float) -> None:
+        if self._total is not None:
+            self._pass_gap(block)
         samples, part = samples_of(block), summarise(block)
         self._total = part if self._total is None else combine([self._total, part])
         self._envelope.push(samples)
@@ -179,9 +192,31 @@ class _Collected:
             self._keep(self._detector.push(block, wheel_load))
         if not self._speeds or self._speeds[-1][1] != block.speed:
             self._speeds.append((block.time, block.speed))
+        self._steps += len(block)
         self._duration += len(block) * block.step_period
         self._collect_passage(block, samples)
         self._last = block
+
+    def _pass_gap(self, block: SampleBlock) -> None:
+        """Steps that are missing before a block are drawn as nothing, and nothing is told of them."""
+        last = self._last
+        step, time = last.first_step + len(last), last.time + len(last) * last.step_period
+        missing = block.first_step - step
+        if missing <= 0:
+            return
+        period, dx = (block.time - time) / missing, last.speed * last.step_period
+        for start in range(0, missing, AT_ONCE):
+            within = np.arange(start, min(start + AT_ONCE, missing), dtype=np.float64)
+            nothing = np.full((len(within), block.forces.shape[1] + len(block.nodes)), math.nan)
+            samples = Samples(step + start, time + within * period, (step + within) * dx, nothing)
+            self._envelope.push(samples)
+            self._closeups.push(samples)
+        self._welch.leave()
+        if self._detector:
+            self._keep(self._detector.finish())
+            self._detector = self._new_detector(self._settings)
+        if self._passage and last.position + len(last) * dx < self._passage[2]:
+            self._passage = None
 
     def _keep(self, impacts: list[Impact]) -> None:
         self._impacts += impacts
@@ -224,7 +259,6 @@ class _Collected:
         assert self._peak is not None
         first, last = self._first, self._last
         dx = first.speed * first.step_period
-        steps = last.first_step + len(last) - first.first_step
         end = last.position + (len(last) - 1) * dx
         passage = None
         if self._passage and self._passed and end >= self._passage[2] - ROUNDING:
@@ -238,10 +272,11 @@ class _Collected:
             states=states,
             start_ns=start_ns,
             nodes=first.nodes,
-            steps=steps,
+            steps=self._steps,
             start=first.time,
+            end=last.time + len(last) * last.step_period,
             duration=self._duration,
-            distance=steps * dx,
+            distance=self._steps * dx,
             speeds=tuple(self._speeds),
             summary=self._total,
             passage=passage,
