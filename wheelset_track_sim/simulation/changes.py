@@ -76,13 +76,14 @@ class Changes:
         preload: NDArray[np.float64],
         *,
         not_before: int = 0,
+        exactly: bool = False,
         number: int | None = None,
     ) -> Revision:
         """Accept a change, the next in ``number``, for the first step at which it can come into force.
 
         That is behind the block at hand and all earlier changes, from ``not_before`` on, with no irregularity that
-        changes in a contact patch; if that takes more than a turn of the wheel, where ``passage`` says, or at
-        ``not_before`` if that is where an earlier run has made it. At the start (``number`` 0) that wait is shorter.
+        changes in a contact patch; if that takes more than a turn of the wheel, where ``passage`` says. At the start
+        (``number`` 0) that wait is shorter. With ``exactly`` it does not wait: an earlier run has made it there.
         """
         with self._lock:
             last = self._queue[-1] if self._queue else self._in_force
@@ -90,7 +91,9 @@ class Changes:
             step, clear = passage(last.law, law, earliest, self._tread_origin)
             if number == 0 and step - earliest > START * len(law.x):
                 clear = False
-            if not clear and (number == 0 or 0 < not_before == earliest):
+            if exactly:
+                clear = clear and step == earliest
+            if exactly or (number == 0 and not clear):
                 step = earliest
             revision = Revision(last.revision.number + 1 if number is None else number, step)
             self._queue.append(Condition(revision, scenario, law, preload, clear))

@@ -155,7 +155,9 @@ class Simulator:
         approach = self._preload[row, wheel] - self.displacements[row, :, wheel].sum()
         return self._changes.in_force.law, float(approach)
 
-    def apply(self, scenario: Scenario, progress: Progress | None = None, *, not_before: int = 0) -> Revision:
+    def apply(
+        self, scenario: Scenario, progress: Progress | None = None, *, not_before: int = 0, exactly: bool = False
+    ) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
 
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
@@ -164,7 +166,7 @@ class Simulator:
         changes is in the contact patch; after one turn of the wheel at the latest, with a ``handover`` if it is never
         out of it. From there on a changed load rises (``loading``), and there the ramps to a changed ``speed`` and
         torque begin, which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged
-        value, too.
+        value, too. With ``exactly`` it does not wait for the contact patch, but comes where it has come before.
         """
         newest = self._changes.newest
         current = newest.scenario
@@ -184,7 +186,7 @@ class Simulator:
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
-        return self._changes.add(scenario, law, self._preload_for(scenario), not_before=not_before)
+        return self._changes.add(scenario, law, self._preload_for(scenario), not_before=not_before, exactly=exactly)
 
     def advance(self, steps: int) -> SampleBlock:
         """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ from ..recording.run_writer import RunWriter
 from ..scenario import WHEELS
 from ..simulation.block import COMPONENTS, SampleBlock
 from ..simulation.simulator import Progress, Simulator
+from ..simulation.speed import Stretch
 from ..simulation.summary import Summary, combine, summarise
 from .differences import Difference, Differences
 from .recorded import Change, Recorded, recorded
@@ -78,7 +81,8 @@ def simulate_again(
     inputs = recorded(bag)
     scenarios = with_settings([change.scenario for change in inputs.changes], settings)
     changes = [change._replace(scenario=new) for change, new in zip(inputs.changes, scenarios, strict=True)]
-    player = _Player(changes, inputs, progress)
+    kept = [_surfaces(old) == _surfaces(new) for old, new in zip(inputs.changes, changes, strict=True)]
+    player = _Player(changes, kept, inputs.start, progress)
     comparison: _Comparison | None = None
     with ExitStack() as stack:
         writer: RunWriter | None = None
@@ -123,18 +127,24 @@ def simulate_again(
 
 
 class _Player:
-    """A simulator that is told each change in time."""
+    """A simulator that is told each change in time.
 
-    def __init__(self, changes: Sequence[Change], inputs: Recorded, progress: Progress | None) -> None:
+    Changes come at their steps; from one surface that was not recorded, or to one, as soon as it is out of the patch.
+    """
+
+    def __init__(
+        self, changes: Sequence[Change], kept: Sequence[bool], start: Stretch | None, progress: Progress | None
+    ) -> None:
         self.moved: list[tuple[int, int, int]] = []
-        self._left = [*changes[1:]]
+        exactly = [before and after for before, after in pairwise(kept)]
+        self._left = deque(zip(changes[1:], exactly, strict=True))
         self._progress = progress
-        self.simulator = Simulator(changes[0].scenario, progress, start=inputs.start)
+        self.simulator = Simulator(changes[0].scenario, progress, start=start)
 
     def advance(self, steps: int) -> SampleBlock:
-        while self._left and self._left[0].step < self.simulator.next_step + steps:
-            change = self._left.pop(0)
-            found = self.simulator.apply(change.scenario, self._progress, not_before=change.step)
+        while self._left and self._left[0][0].step < self.simulator.next_step + steps:
+            change, exactly = self._left.popleft()
+            found = self.simulator.apply(change.scenario, self._progress, not_before=change.step, exactly=exactly)
             if found.step != change.step:
                 self.moved.append((change.revision, change.step, found.step))
         return self.simulator.advance(steps)
@@ -183,6 +193,11 @@ class _Comparison:
         summary = summarise(simulated)
         self._after = _added(self._after, summary)
         return summary
+
+
+def _surfaces(change: Change) -> tuple[object, ...]:
+    """What the contact patch meets."""
+    return change.scenario.irregularities, change.scenario.line_length
 
 
 def _added(total: Summary | None, part: Summary) -> Summary:
