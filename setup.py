@@ -10,7 +10,7 @@ def files(folder: str, pattern: str) -> list[str]:
 
 
 # Everything else is in setup.cfg. `node` is no console script, for in an activated environment it would hide Node.js;
-# in lib/wheelset_track_sim it is found by `ros2 run wheelset_track_sim node`.
+# in lib/wheelset_track_sim it is found by `ros2 run wheelset_track_sim node`, and `replay` likewise.
 setup(
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/wheelset_track_sim"]),
@@ -19,6 +19,6 @@ setup(
         (f"{SHARE}/config", files("config", "*.yaml")),
         (f"{SHARE}/config/layouts", files("config/layouts", "*")),
         (f"{SHARE}/config/sros2", files("config/sros2", "*.xml")),
-        ("lib/wheelset_track_sim", ["tools/node"]),
+        ("lib/wheelset_track_sim", ["tools/node", "tools/replay"]),
     ],
 )

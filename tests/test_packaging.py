@@ -100,7 +100,7 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
     assert (prefix / "share/ament_index/resource_index/packages/wheelset_track_sim").exists()
     assert (share / "package.xml").exists()
     assert {path.name for path in (share / "launch").iterdir()} == {p.name for p in (ROOT / "launch").iterdir()}
-    for program in ("node", "wheelset-track-sim"):
+    for program in ("node", "replay", "wheelset-track-sim"):
         assert os.access(prefix / "lib" / "wheelset_track_sim" / program, os.X_OK)
     [installed] = prefix.glob("lib/python*/site-packages/wheelset_track_sim")
     assert {path.name for path in (installed / "data/config/scenarios").iterdir()} == SCENARIOS

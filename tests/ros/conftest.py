@@ -36,10 +36,10 @@ def domain():
 
 
 class NodeProcess:
-    """``wheelset-track-sim node`` in a process of its own."""
+    """``wheelset-track-sim node``, or another program of it, in a process of its own."""
 
-    def __init__(self, environment, parameters, arguments=()):
-        command = [sys.executable, "-m", "wheelset_track_sim", "node", *arguments]
+    def __init__(self, environment, parameters, arguments=(), program="node"):
+        command = [sys.executable, "-m", "wheelset_track_sim", program, *map(str, arguments)]
         given = [item for name, value in parameters.items() for item in ("-p", f"{name}:={value}")]
         if given:
             command += ["--ros-args", *given]
@@ -80,9 +80,9 @@ def start(domain, tmp_path, running):
     }
     with ExitStack() as stack:
 
-        def start(*arguments, env=None, **parameters):
+        def start(*arguments, env=None, program="node", **parameters):
             named = {name.replace("__", "."): value for name, value in parameters.items()}
-            node = NodeProcess(environment | (env or {}), named, arguments)
+            node = NodeProcess(environment | (env or {}), named, arguments, program)
             running.append(node)
             stack.callback(end, node.process)
             return node
@@ -174,6 +174,12 @@ class Client:
                 return None
         pytest.fail(f"{service} did not answer")
 
+    def trigger(self, service):
+        """Answer of a service without arguments."""
+        from std_srvs.srv import Trigger
+
+        return self.call(service, Trigger, again=False)
+
     def transition(self, label):
         """Whether a transition succeeded."""
         from lifecycle_msgs.msg import Transition
@@ -250,3 +256,19 @@ def client(make_client):
 @pytest.fixture(params=[signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
 def stop_signal(request):
     return request.param
+
+
+@pytest.fixture
+def short_bag(tmp_path, run_info, run_blocks, make_state):
+    """A bag with a message on each topic of a run."""
+    from wheelset_track_sim.recording import BagWriter
+    from wheelset_track_sim.simulation.impacts import Impact
+
+    path = tmp_path / "short.mcap"
+    with BagWriter(path, run_info, start_ns=1_700_000_000 * 10**9) as writer:
+        writer.write_state(make_state(run_blocks[0]))
+        for block in run_blocks:
+            writer.write(block)
+        numbers = dict.fromkeys(Impact.__dataclass_fields__, 1.0) | {"step": 9, "revision": 0, "wheel": 0}
+        writer.write_impacts([Impact(**numbers)])
+    return path

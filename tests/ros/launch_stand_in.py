@@ -55,7 +55,8 @@ class Launched:
     """What would be started."""
 
     def __init__(self, named, context):
-        assert (named["package"], named["executable"]) == ("wheelset_track_sim", "node")
+        assert named["package"] == "wheelset_track_sim"
+        self.executable = named["executable"]
         self.namespace = "/" + named["namespace"].strip("/")
         self.name = named["name"]
         self.full_name = f"{self.namespace.rstrip('/')}/{self.name}"

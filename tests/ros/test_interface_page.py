@@ -1,5 +1,6 @@
 """``docs/interface.md`` against the graph of running nodes, both ways; ``config/node.yaml`` against the parameters."""
 
+import importlib.util
 import re
 from typing import NamedTuple
 
@@ -69,7 +70,7 @@ def topics_of_page():
     return set(found)
 
 
-def parameters_of_page():
+def parameters_of_page(heading="Parameters"):
     return {
         Parameter(
             row["parameter"],
@@ -79,7 +80,7 @@ def parameters_of_page():
             row["changes"],
             "" if row["parameter"] in UNDESCRIBED else ", ".join(filter(None, [row["meaning"], row["unit"]])),
         )
-        for row in rows("Parameters")
+        for row in rows(heading)
     }
 
 
@@ -146,6 +147,32 @@ def test_page_is_the_running_node_and_the_running_node_is_the_page(start, client
     assert topics_of(client.node) == topics_of_page() - followed
 
 
+def test_page_is_a_running_replay_too(start, client, short_bag):
+    start(short_bag, "--start-paused", program="replay", publish_clock="true")
+    own = {"publish_clock": "false", "start_paused": "false", "bag": '""'}  # what this test has set
+    running = {item._replace(default=own.get(item.parameter, item.default)) for item in parameters_of(client)}
+    assert running == parameters_of_page("Parameters of the replay")
+    of_every_node = {row["service"] for row in rows("Services") if "parameter" in row["service"]}
+    wanted = {Service(row["service"], row["type"]) for row in rows("Services of the replay")}
+    if importlib.util.find_spec("rosbag2_interfaces") is None:
+        wanted = {item for item in wanted if "rosbag2" not in item.type}
+    found = services_of(client.node)
+    assert {item for item in found if item.service not in of_every_node | {"~/get_type_description"}} == wanted
+    assert of_every_node <= {item.service for item in found}
+    recorded = {
+        "~/contact_forces",
+        "~/axle_stress/a1",
+        "~/axle_stress/b1",
+        "~/axle_stress/c1",
+        "~/summary",
+        "~/impacts",
+    }
+    played = {*recorded, "~/state", "/clock", "/rosout", "/parameter_events"}
+    assert topics_of(client.node) == {
+        item for item in topics_of_page() if item.topic in played and item.direction == "out"
+    }
+
+
 def test_clock_is_followed_where_it_is_asked_for(start, client):
     start(use_sim_time="true", autostart="false")
     assert client.get("use_sim_time") == [True]
@@ -157,9 +184,9 @@ def test_every_row_of_the_page_says_what_it_is_for():
     for row in rows("Topics"):
         assert row["unit"], row
         assert len(row["content"]) > SHORTEST, row
-    for row in rows("Services"):
+    for row in rows("Services") + rows("Services of the replay"):
         assert len(row["what it does"]) > SHORTEST, row
-    for row in rows("Parameters"):
+    for row in rows("Parameters") + rows("Parameters of the replay"):
         assert row["type"] != "double" or row["unit"] or "share" in row["meaning"] or "over" in row["meaning"], row
 
 

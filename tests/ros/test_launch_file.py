@@ -9,7 +9,8 @@ from test_packaging import ROOT
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.yaml12 import parse
 
-FILES = sorted(path.name for path in (ROOT / "launch").iterdir())
+ALL = sorted(path.name for path in (ROOT / "launch").iterdir())
+FILES = [name for name in ALL if name != "replay.launch.py"]
 IN_COMMON = {
     "params_file",
     "namespace",
@@ -33,7 +34,13 @@ def sections(file):
 
 
 def test_one_for_each_way_to_run():
-    assert FILES == ["bogie.launch.py", "fleet.launch.py", "train.launch.py", "wheelset_track_sim.launch.py"]
+    assert ALL == [
+        "bogie.launch.py",
+        "fleet.launch.py",
+        "replay.launch.py",
+        "train.launch.py",
+        "wheelset_track_sim.launch.py",
+    ]
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -130,7 +137,22 @@ def test_sections_of_shipped_files_are_of_nodes_that_are_launched(file):
     assert set(found) & {node.full_name for node in own}
 
 
-def test_executable_is_there():
-    assert (ROOT / "tools" / "node").exists()
-    assert "data_files" in (ROOT / "setup.py").read_text()
-    assert runpy.run_path(str(ROOT / "tools" / "node"))["main"]
+def test_a_replay_takes_all_its_parameters_as_arguments():
+    launch = LaunchFile("replay.launch.py")
+    [plain] = launch.nodes()
+    assert (plain.executable, plain.full_name, plain.given) == ("replay", "/wheelset_track_sim", {})
+    assert all(len(item.named["description"]) > 10 for item in launch.declared)
+    [node] = launch.nodes(
+        bag="run.mcap", rate="0", loop="true", duration="2.5", prefix="~", namespace="train", name="w1"
+    )
+    assert node.full_name == "/train/w1"
+    assert node.given == {"bag": "run.mcap", "rate": 0.0, "loop": True, "duration": 2.5, "prefix": "~"}
+    known = {*sections(ROOT / "config" / "replay.yaml")["/**"], "use_sim_time"}
+    assert set(launch.arguments) == known | {"params_file", "namespace", "name", "log_level"}
+
+
+@pytest.mark.parametrize("program", ["node", "replay"])
+def test_executable_is_there(program):
+    assert (ROOT / "tools" / program).exists()
+    assert f"tools/{program}" in (ROOT / "setup.py").read_text()
+    assert runpy.run_path(str(ROOT / "tools" / program))["main"]

@@ -39,3 +39,15 @@ def test_all_that_the_node_does_is_allowed_and_others_may_use_it(start, client):
     assert subscribed - {"/clock", "/parameter_events"} <= allowed(f"{own}/operator", "topics", "publish")
     for enclave in ("operator", "observer"):
         assert published <= allowed(f"{own}/{enclave}", "topics", "subscribe")
+
+
+def test_a_replay_under_the_name_of_the_node_may_do_what_it_does(start, client, short_bag):
+    start(short_bag, "--start-paused", program="replay", publish_clock="true")
+    assert client.get("loop") == [False]
+    graph, own = client.node, f"/{NODE}"
+    published = {name for name, _ in graph.get_publisher_names_and_types_by_node(NODE, "/")}
+    services = {name for name, _ in graph.get_service_names_and_types_by_node(NODE, "/")}
+    assert f"{own}/summary" in published
+    assert f"{own}/play_next" in services
+    assert published <= allowed(own, "topics", "publish")
+    assert services <= allowed(own, "services", "reply") & allowed(f"{own}/operator", "services", "request")

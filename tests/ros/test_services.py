@@ -47,9 +47,7 @@ class Services:
         self.client = client
 
     def trigger(self, name):
-        from std_srvs.srv import Trigger
-
-        return self.client.call(name, Trigger, again=False)
+        return self.client.trigger(name)
 
     def damage(self, *damage):
         from wheelset_track_msgs.srv import SetTreadDamage

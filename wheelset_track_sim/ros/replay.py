@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -47,21 +48,22 @@ class ReplayNode(Node):  # type: ignore[misc]
         super().__init__(name, parameter_overrides=[Parameter(key, value=value) for key, value in given.items()])
         self._end = end
         self.parameters = ReplayParameters(self)
-        self._bag = RecordedBag(Path(self.parameters["bag"]).expanduser())
-        self._named = 0  # damages that have been told
-        topics = self._playable()
-        self.selection = Selection(self._bag, topics)
-        self._time = NodeClock(self, publish=self.parameters["publish_clock"])
-        self._topics = topics
-        self._outlets = {topic.name: self._publisher(topic) for topic in topics.values()}
-        self._restamping = Restamping() if self.parameters["stamps"] == "now" else None
-        self._origin_ns = 0
-        playback = self.parameters.playback()
-        self.player = Player(self.selection, playback, self._deliver, self._moved, self._on_end, self._time)
-        if self.parameters["position"] != playback.start_offset:
-            self.seek(self.parameters["position"])
         self._interrupted = False
+        self._named = 0  # damages that have been told
+        self._origin_ns = 0
         self._thread = threading.Thread(target=self._play, name="replay")
+        self._time = NodeClock(self, publish=self.parameters["publish_clock"])
+        self._restamping = Restamping() if self.parameters["stamps"] == "now" else None
+        with ExitStack() as stack:
+            self._bag = stack.enter_context(RecordedBag(Path(self.parameters["bag"]).expanduser()))
+            self._topics = self._playable()
+            self.selection = Selection(self._bag, self._topics)
+            playback = self.parameters.playback()
+            self.player = Player(self.selection, playback, self._deliver, self._moved, self._on_end, self._time)
+            if self.parameters["position"] != playback.start_offset:
+                self.seek(self.parameters["position"])
+            self._outlets = {topic.name: self._publisher(topic) for topic in self._topics.values()}
+            stack.pop_all()
         ReplayServices(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
