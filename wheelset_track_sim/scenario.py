@@ -12,6 +12,7 @@ from typing import Any, Literal
 from .cache import digest
 from .errors import InputError
 from .irregularities import AnyIrregularity, line_steps
+from .irregularities.listing import MOST
 from .irregularities.measured import located_beside
 from .loads import Loads
 from .profile_points import FILES, load_points
@@ -25,7 +26,6 @@ WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
 GAUGE = Quantity("m", 0.9, 1.8, "the gauge")
 LINE = Quantity("m", 0.5, 5000.0, "the length after which rails repeat")
-MOST_IRREGULARITIES = 1000
 
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""
@@ -124,10 +124,8 @@ class Scenario:
             refusal = None if getattr(self, name) is None else limits.refusal(name, getattr(self, name))
             if refusal:
                 raise InputError(refusal)
-        if len(self.irregularities) > MOST_IRREGULARITIES:
-            raise InputError(
-                f"irregularities has {len(self.irregularities)} entries: give at most {MOST_IRREGULARITIES}"
-            )
+        if len(self.irregularities) > MOST:
+            raise InputError(f"irregularities has {len(self.irregularities)} entries: give at most {MOST}")
         _ = self.line_steps
         for index, (before, after) in enumerate(pairwise(self.speed_plan)):
             if after.time <= before.time:

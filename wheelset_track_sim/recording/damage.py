@@ -7,6 +7,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..irregularities import AnyIrregularity, Breakout
+from ..irregularities.listing import MOST
 from ..scenario import WHEELS
 
 KINDS: dict[int, type[Breakout]] = {0: Breakout}
@@ -14,9 +15,6 @@ KINDS: dict[int, type[Breakout]] = {0: Breakout}
 NUMBERS = ("a", "b", "h", "angle", "y")
 FIELDS = ("wheel", "kind", *NUMBERS)
 """Fields of ``TreadDamage``."""
-MOST = 1000
-"""Defects of a wheelset that a message may bring. The contact is worked out for each place on the treads that a defect
-touches, in 20 to 40 ms: that is 2713 places a wheel at most."""
 
 
 def damage_fields(irregularities: Iterable[AnyIrregularity]) -> tuple[Mapping[str, float], ...]:

@@ -27,6 +27,7 @@ T = TypeVar("T")
 START_UP = {
     "scenario": ("damage_wheel_1", "Name of a shipped scenario, or path of a scenario file"),
     "autostart": (True, "Configure and activate without being told"),
+    "profiles.directory": ("profiles", "Folder below which files lie that irregularities name over ROS"),
     "record.directory": ("recordings", "Folder in which bags are written"),
     "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
     "record.on_start": (False, "Record from the start of the run on"),

@@ -8,9 +8,11 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from ..errors import WheelsetTrackError
+from ..irregularities.listing import listed
 from ..recording.damage import irregularities_of
-from ..scenario import Scenario
+from ..scenario import WHEELS, Scenario
 from ..simulation.simulator import Progress, Revision, Simulator
+from .recorder import path_below
 
 Change = Callable[[Scenario], Scenario]
 """The scenario that is wanted next, from the one accepted last; raises InputError."""
@@ -84,9 +86,22 @@ class Revisions:
             return self._newest
 
     def damage(self, damage: Sequence[Any]) -> Outcome:
-        """Replace the tread damage of both wheels by messages ``TreadDamage``."""
+        """Replace all irregularities of both treads by messages ``TreadDamage``; those of the rails stay."""
+
+        def change(scenario: Scenario) -> Scenario:
+            on_rails = (each for each in scenario.irregularities if each.on not in WHEELS)
+            return dataclasses.replace(scenario, irregularities=(*irregularities_of(damage), *on_rails))
+
+        return self._outcome(change)
+
+    def irregularities(self, text: str, folder: str) -> Outcome:
+        """Replace all irregularities of treads and rails by a YAML list; files in it lie below ``folder``."""
+
+        def located(name: str) -> str:
+            return str(path_below(folder, name))
+
         return self._outcome(
-            lambda scenario: dataclasses.replace(scenario, irregularities=irregularities_of(damage)),
+            lambda scenario: dataclasses.replace(scenario, irregularities=listed(text, located)),
         )
 
     def speed(self, speed: float, acceleration: float = 0.0) -> Outcome:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Float64
+from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
-from wheelset_track_msgs.srv import GetContactPressure, SetSpeed, SetTreadDamage, StartRecording
+from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
 
 from ..errors import InputError
 from .conversions import header
@@ -41,6 +41,7 @@ class Services:
         changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
         for kind, name, answer, group in (
             (SetTreadDamage, "set_tread_damage", self._set_tread_damage, changing),
+            (SetIrregularities, "set_irregularities", self._set_irregularities, changing),
             (SetSpeed, "set_speed", self._set_speed, changing),
             (StartRecording, "start_recording", self._start_recording, switching),
             (Trigger, "stop_recording", self._stop_recording, switching),
@@ -56,6 +57,7 @@ class Services:
             (Float64, "speed", lambda message: node.revisions.speed(message.data)),
             (Float64, "torque", lambda message: node.revisions.torque(message.data)),
             (TreadDamageArray, "tread_damage", lambda message: node.revisions.damage(message.damage)),
+            (String, "irregularities", lambda message: self._irregularities(message.data)),
         ):
             topic = f"~/cmd/{name}"
             node.create_subscription(
@@ -73,6 +75,12 @@ class Services:
 
     def _set_tread_damage(self, request: Any) -> Answer:
         return self._node.revisions.damage(request.damage)._asdict()
+
+    def _set_irregularities(self, request: Any) -> Answer:
+        return self._irregularities(request.irregularities)._asdict()
+
+    def _irregularities(self, text: str) -> Outcome:
+        return self._node.revisions.irregularities(text, self._node.parameters["profiles.directory"])
 
     def _set_speed(self, request: Any) -> Answer:
         return self._node.revisions.speed(request.speed, request.acceleration)._asdict()

@@ -208,7 +208,7 @@ class Simulator:
         times = on.time + rows * (scenario.step_length / on.speed)
         self._preload = self._loading.at(times)
         forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
-        self._forces = forces[-1]
+        self._forces = forces[-1] if len(forces) else self._forces
         require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))

@@ -1,0 +1,40 @@
+"""Irregularities as a text that comes over a network: the list of a scenario file, bounded in all it may ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..errors import InputError
+from ..schema import read
+from ..yaml12 import parse
+from . import AnyIrregularity
+
+LONGEST = 256 * 1024
+"""Bytes of a text at most."""
+MOST = 1000
+"""Irregularities at most, in a text and in a scenario."""
+
+
+@dataclass(frozen=True)
+class _Listed:
+    irregularities: tuple[AnyIrregularity, ...]
+
+
+def listed(text: str, located: Callable[[str], str]) -> tuple[AnyIrregularity, ...]:
+    """Irregularities of a YAML text; an empty one has none.
+
+    ``located`` finds the files that it names, or refuses them. Raises InputError that names the entry.
+    """
+    size = len(text.encode(errors="surrogatepass"))
+    if size > LONGEST:
+        raise InputError(f"irregularities have {size} bytes: give at most {LONGEST}, and longer tables as files")
+    data = parse(text, "irregularities", trusted=False) or []
+    if not isinstance(data, list):
+        raise InputError(f"irregularities are a {type(data).__name__}: give a list, as in a scenario file")
+    if len(data) > MOST:
+        raise InputError(f"irregularities has {len(data)} entries: give at most {MOST}")
+    for item in data:
+        if isinstance(item, dict) and isinstance(item.get("file"), str) and not item.get("table"):
+            item["file"] = located(item["file"])
+    return read(_Listed, {"irregularities": data}, "").irregularities
