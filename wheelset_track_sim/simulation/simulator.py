@@ -199,16 +199,18 @@ class Simulator:
         longest = self._models.dynamics.longest_run - SETTLING
         if self.time + steps * self.step_period > longest:
             raise InputError(f"{self.in_force.dynamics} dynamics runs for {longest:g} s at most: use causal for longer")
-        self._install_due()
-        condition, first = self._changes.in_force, self.next_step
+        first = end = self.next_step
+        while end == first:  # again for a change that was accepted between the two
+            self._install_due()
+            end = self._changes.claim(min(first + steps, self._course.border(first)))
+        condition = self._changes.in_force
         scenario, on = condition.scenario, self._course.at(first)
-        end = self._changes.claim(min(first + steps, self._course.border(first)))
         ahead = [stretch.speed for stretch in self._course.ahead(first)[:AHEAD]]
         rows = np.arange(first - on.step, end - on.step, dtype=np.float64)
         times = on.time + rows * (scenario.step_length / on.speed)
         self._preload = self._loading.at(times)
         forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
-        self._forces = forces[-1] if len(forces) else self._forces
+        self._forces = forces[-1]
         require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
