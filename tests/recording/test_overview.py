@@ -5,7 +5,10 @@ import pytest
 
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.recording import BagWriter, read
+from wheelset_track_sim.recording.bag_copy import BagCopy
 from wheelset_track_sim.recording.inputs import Input
+from wheelset_track_sim.recording.mcap_records import Chunk
+from wheelset_track_sim.recording.mcap_source import McapSource
 from wheelset_track_sim.recording.overview import overview
 from wheelset_track_sim.recording.revisions import Difference, differences, revisions
 from wheelset_track_sim.scenario import load_scenario
@@ -46,9 +49,6 @@ def test_it_is_what_the_samples_say(bag, run_info):
 
 
 def test_a_bag_without_summaries_is_looked_through(bag, tmp_path):
-    from wheelset_track_sim.recording.bag_copy import BagCopy
-    from wheelset_track_sim.recording.mcap_source import Chunk, McapSource
-
     copy = BagCopy(tmp_path / "samples.mcap")
     for file in sorted(bag.glob("*.mcap")):
         with file.open("rb") as stream:

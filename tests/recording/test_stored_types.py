@@ -9,7 +9,8 @@ from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.recording import Bag, BagWriter, read
 from wheelset_track_sim.recording.definitions import full_name, schema, typestore
 from wheelset_track_sim.recording.mcap_file import McapFile
-from wheelset_track_sim.recording.mcap_source import McapSource, Message
+from wheelset_track_sim.recording.mcap_records import Message
+from wheelset_track_sim.recording.mcap_source import McapSource
 from wheelset_track_sim.recording.run_info import METADATA_NAME
 from wheelset_track_sim.recording.stored_types import DEFAULTS
 

@@ -12,7 +12,7 @@ from mcap.records import Channel, Metadata, Schema
 from .. import __version__
 from ..errors import InputError
 from .mcap_file import McapFile
-from .mcap_source import Message
+from .mcap_records import Message
 from .rosbag2_metadata import METADATA, Part, Topic, write_folder_metadata
 
 

@@ -18,7 +18,8 @@ from ..errors import RecordingError
 from .bag_files import files_of, missing_files
 from .definitions import PACKAGE
 from .losses import Damage, Loss
-from .mcap_source import UNREADABLE, Chunk, McapSource, Message
+from .mcap_records import UNREADABLE, Chunk, Message
+from .mcap_source import McapSource
 from .run_info import RunInfo
 from .stored_types import DefinitionError, reader
 from .window import EVERYTHING, Window, first_chunk

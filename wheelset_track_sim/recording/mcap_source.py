@@ -12,21 +12,17 @@ import struct
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from io import BytesIO
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
-from mcap.data_stream import ReadDataStream, RecordBuilder
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, ChunkIndex, DataEnd, Header, McapRecord, Metadata, Schema
+from mcap.records import Attachment, Channel, ChunkIndex, DataEnd, Header, Metadata, Schema
 from mcap.records import Chunk as McapChunk
 from mcap.stream_reader import get_chunk_data_stream
-from zstandard import ZstdError
 
 from .losses import Damage
 from .mcap_file import MAGIC, RECORD
+from .mcap_records import START, UNREADABLE, Chunk, Message, parsed, records, register, stream_of
 
-START = struct.Struct("<BQ")  # opcode, length
 CHUNK = struct.Struct("<BQQQQII")  # opcode, length; first and last time, size, CRC, length of the compression's name
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 FOOTER = struct.Struct("<BQQQI8s")  # opcode, length; summary, offsets, CRC; magic
@@ -42,38 +38,11 @@ OUTSIDE: dict[int, Any] = {
     Opcode.DATA_END: DataEnd,
 }
 """Records that stand between chunks."""
-UNREADABLE = (McapError, ZstdError, struct.error, ValueError, LookupError, RuntimeError, MemoryError, OverflowError)
-"""What the libraries raise for bytes that are not what they should be."""
 COMPRESSIONS = (b"", b"lz4", b"zstd")
 WINDOW = 1 << 20
 """Bytes that are searched at a time."""
 LARGEST = 1 << 30
 """Largest record that is read, bytes."""
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """A chunk whose bytes are those that were written."""
-
-    place: int
-    """First byte in the file."""
-    end: int
-    """First byte after it."""
-    data: bytes
-    """Its records, decompressed."""
-
-
-class Message(NamedTuple):
-    """A message as it is stored."""
-
-    schema: Schema
-    channel: Channel
-    sequence: int
-    log_time: int
-    """ns"""
-    publish_time: int
-    """ns"""
-    data: memoryview
 
 
 @dataclass
@@ -155,7 +124,7 @@ class McapSource:
                     data = content[MESSAGE.size :]
                     found.append(Message(schema, channel, sequence, log_time, publish_time, data))
             else:
-                _register(opcode, content, self.schemas, self.channels)
+                register(opcode, content, self.schemas, self.channels)
         if unknown:
             reason = f"{unknown} messages are of topics whose names are lost"
             found.append(Damage(self.name, chunk.place, chunk.end, reason))
@@ -183,7 +152,7 @@ class McapSource:
         if opcode == Opcode.MESSAGE_INDEX:
             _, size = ENTRIES.unpack(self._read(place + RECORD, ENTRIES.size).ljust(ENTRIES.size))
             return (opcode, end, None) if length == ENTRIES.size + size else "a record is damaged"
-        record = _parsed(OUTSIDE[opcode], self._read(place, RECORD + length))
+        record = parsed(OUTSIDE[opcode], self._read(place, RECORD + length))
         if record is None:
             return "a record is damaged"
         return opcode, end, record if isinstance(record, Metadata) else None
@@ -209,7 +178,7 @@ class McapSource:
         if crc == 0 and self.index is None:
             return "a chunk has no checksum that would show that it is whole"
         try:
-            record = McapChunk.read(_stream(self._read(place + RECORD, length)))
+            record = McapChunk.read(stream_of(self._read(place + RECORD, length)))
             stream, size = get_chunk_data_stream(record, validate_crc=True)
             return Chunk(place, end, stream.read(size))
         except UNREADABLE as reason:
@@ -250,45 +219,9 @@ class McapSource:
         index = Index(start)
         try:
             for opcode, content in records(summary[: before - start]):
-                _register(opcode, content, index.schemas, index.channels)
+                register(opcode, content, index.schemas, index.channels)
                 if opcode == Opcode.CHUNK_INDEX:
-                    index.chunks.append(ChunkIndex.read(_stream(content)))
+                    index.chunks.append(ChunkIndex.read(stream_of(content)))
         except UNREADABLE:
             return None
         return index
-
-
-def records(data: bytes) -> Iterator[tuple[int, memoryview]]:
-    """Opcode and content of records, as far as they are whole."""
-    view, place = memoryview(data), 0
-    while place + RECORD <= len(view):
-        opcode, length = START.unpack_from(view, place)
-        place += RECORD + length
-        if place > len(view):
-            return
-        yield opcode, view[place - length : place]
-
-
-def _stream(content: bytes | memoryview) -> ReadDataStream:
-    return ReadDataStream(BytesIO(content))
-
-
-def _register(opcode: int, content: memoryview, schemas: dict[int, Schema], channels: dict[int, Channel]) -> None:
-    """Note the definition of a type or a topic."""
-    if opcode == Opcode.SCHEMA:
-        schema = Schema.read(_stream(content))
-        schemas[schema.id] = schema
-    elif opcode == Opcode.CHANNEL:
-        channel = Channel.read(_stream(content))
-        channels[channel.id] = channel
-
-
-def _parsed(kind: Any, data: bytes) -> McapRecord | None:
-    """A record whose lengths are all right: written again, it gives the same bytes."""
-    try:
-        record: McapRecord = kind.read(_stream(data[RECORD:]))
-        builder: Any = RecordBuilder()
-        record.write(builder)
-    except UNREADABLE:
-        return None
-    return record if bytes(builder.end()) == data else None

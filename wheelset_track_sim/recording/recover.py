@@ -12,7 +12,8 @@ from .bag_copy import BagCopy
 from .bag_files import files_of, missing_files
 from .bag_reader import Bag
 from .losses import Damage, Gap, Loss
-from .mcap_source import McapSource, Message
+from .mcap_records import Message
+from .mcap_source import McapSource
 from .run_info import RunInfo
 
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ..errors import RecordingError
 from ..recording.bag_files import files_of, missing_files
 from ..recording.losses import Damage
-from ..recording.mcap_source import Chunk, McapSource
+from ..recording.mcap_records import Chunk
+from ..recording.mcap_source import McapSource
 from .topics import Topic
 
 if TYPE_CHECKING:
