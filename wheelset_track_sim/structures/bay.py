@@ -48,9 +48,13 @@ class HalfSleeper:
 def half_sleeper(track: Track, half: Half) -> HalfSleeper:
     """Finite elements of the sleeper from its centre (no rotation, or no deflection, there) to its free end.
 
-    The ballast stands at the nodes by tributary length. A rail seat between nodes takes the shape functions there.
+    The ballast stands at the nodes by tributary length. A rail seat between nodes takes the shape functions there. On
+    slab track it has no unknowns.
     """
-    sleeper = track.sleeper
+    sleeper, ballast = track.sleeper, track.ballast
+    if sleeper is None or ballast is None:
+        none = np.zeros((0, 0))
+        return HalfSleeper(none, none, none, np.zeros(0))
     elements = sleeper.elements // 2
     length = sleeper.length / sleeper.elements
     k, m = element_matrices(sleeper, length)
@@ -63,8 +67,8 @@ def half_sleeper(track: Track, half: Half) -> HalfSleeper:
         stiffness[at, at] += k
         mass[at, at] += m
     deflections = np.arange(0, size, 2)
-    stiffness[deflections, deflections] += share * track.ballast.stiffness
-    damping[deflections, deflections] += share * track.ballast.damping
+    stiffness[deflections, deflections] += share * ballast.stiffness
+    damping[deflections, deflections] += share * ballast.damping
     seat = np.zeros(size)
     element = min(int(track.rail_distance / 2.0 / length + 1e-9), elements - 1)
     s = track.rail_distance / 2.0 / length - element

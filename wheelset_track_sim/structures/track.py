@@ -24,9 +24,13 @@ from typing import Any, Literal
 from ..errors import InputError
 from ..schema import check, quantity, read
 from ..shipped import load_yaml
+from .supports import Line
 
 Half = Literal["symmetric", "antisymmetric"]
 HALVES: tuple[Half, Half] = ("symmetric", "antisymmetric")
+
+MAX_DEPTH = 8
+"""Tracks that stand on one another by ``base``."""
 
 
 @dataclass(frozen=True)
@@ -119,30 +123,54 @@ class Ballast:
 
 @dataclass(frozen=True)
 class Track:
-    """Tangent track of two equal rails on sleepers at equal spacing; sleepers stand at whole multiples of it."""
+    """Tangent track of two equal rails on supports at equal spacing, which stand at whole multiples of it."""
 
     name: str
     rail: Rail
-    sleeper: Sleeper
     pad: Pad
-    ballast: Ballast
+    sleeper: Sleeper | None = None
+    """Left out together with ``ballast`` on slab track: pads stand on the ground then."""
+    ballast: Ballast | None = None
     spacing: float = quantity("m", 0.2, 3.0, "the sleeper spacing", default=0.6)
     rail_distance: float = quantity("m", 0.3, 3.0, "the distance between the rails", default=1.5)
+    line: Line | None = None
+    """Supports that differ along the line; None if they are all the same."""
 
     def __post_init__(self) -> None:
         check(self)
-        if self.rail_distance >= self.sleeper.length:
+        if (self.sleeper is None) != (self.ballast is None):
+            missing = "sleeper" if self.sleeper is None else "ballast"
+            raise InputError(f"{missing} is missing: give both sleeper and ballast, or neither of them for slab track")
+        if self.sleeper is not None and self.rail_distance >= self.sleeper.length:
             raise InputError(
                 f"rail_distance = {self.rail_distance:g} m is not below the sleeper length of "
                 f"{self.sleeper.length:g} m: give a longer sleeper or a smaller rail distance"
             )
+        for index, entry in enumerate(self.line.supports if self.line and self.sleeper is None else ()):
+            if entry.gap is not None or entry.ballast_stiffness != 1.0 or entry.ballast_damping != 1.0:
+                raise InputError(f"line.supports.{index} is about ballast, which slab track has none of: leave it out")
 
 
 def load_track(source: str | Path | Mapping[str, Any]) -> Track:
     """Track from the name of a shipped one, the path of a YAML file, or a mapping; a Track is returned as it is.
 
+    A mapping, or file, with ``base`` takes from the track of that name or path what it does not say itself.
     Raises InputError for a name that is not shipped (listing those that are) and for values that cannot be used.
     """
     if isinstance(source, Track):
         return source
-    return read(Track, source if isinstance(source, Mapping) else load_yaml("tracks", source), "track")
+    return read(Track, _with_base(source if isinstance(source, Mapping) else load_yaml("tracks", source)), "track")
+
+
+def _with_base(data: Any, depth: int = 0) -> Any:
+    """Mapping of a track with what its base says filled in, entry by entry of ``rail``, ``pad`` and the like."""
+    if not isinstance(data, Mapping) or "base" not in data:
+        return data
+    if not isinstance(data["base"], str) or depth > MAX_DEPTH:
+        raise InputError(f"track.base = {data['base']!r} is not a track: give the name of a shipped one, or a file")
+    base = _with_base(load_yaml("tracks", data["base"]), depth + 1)
+    merged = dict(base) if isinstance(base, Mapping) else {}
+    for key, value in data.items():
+        inner = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping) and key != "line"
+        merged[key] = {**merged[key], **value} if inner else value
+    return {key: value for key, value in merged.items() if key != "base"}
