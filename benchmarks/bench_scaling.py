@@ -13,8 +13,9 @@ from conftest import Measure, group
 from wheelset_track_sim.commands.run import CHUNK
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.scenario import Scenario, load_scenario
-from wheelset_track_sim.simulation.causal import causal_model, truncated
+from wheelset_track_sim.simulation.causal import causal_model
 from wheelset_track_sim.simulation.models import Models, load_models
+from wheelset_track_sim.simulation.running_wheelset import truncated
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.structures.track_balance import ORDER, MovingTrack, balanced
 from wheelset_track_sim.structures.track_ring import track_ring

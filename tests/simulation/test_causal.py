@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.causal import CausalModel, causal_model, truncated
+from wheelset_track_sim.simulation.causal import CausalModel, causal_model
 from wheelset_track_sim.simulation.causal_kernels import advance, displacements, stresses
 from wheelset_track_sim.simulation.models import load_models
+from wheelset_track_sim.simulation.running_wheelset import truncated
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.summary import summarise
 

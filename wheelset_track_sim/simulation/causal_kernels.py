@@ -7,7 +7,7 @@ is written overlaps what is read; that took longer than the arithmetic. More tha
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,7 +41,7 @@ class Causal(NamedTuple):
 
 
 @summing_kernel
-def displacements(dynamics: Causal, step: int, xi: np.ndarray) -> None:
+def displacements(dynamics: Any, step: int, xi: np.ndarray) -> None:
     """Fill ``xi`` (2, 2), m: [0] wheels and [1] rails, at ``step``, without the force of that step itself."""
     coming = dynamics.coming
     xi[0, 0], xi[0, 1], xi[1, 0], xi[1, 1] = coming[0, 0], coming[0, 1], coming[1, 0], coming[1, 1]
@@ -51,7 +51,7 @@ def displacements(dynamics: Causal, step: int, xi: np.ndarray) -> None:
 def advance(dynamics: Causal, step: int, forces: np.ndarray) -> None:
     """Take in the ``forces`` (2,) N of ``step``, move all modes on to the next one and see what they displace there."""
     coming, one, two = dynamics.coming, forces[0], forces[1]
-    coming[0, 0], coming[0, 1] = _advance_wheels(dynamics, one, two)
+    coming[0, 0], coming[0, 1] = advance_wheels(dynamics, one, two)
     place = dynamics.places[step % dynamics.places.shape[0]]
     even = _advance_half(dynamics.track[0], place[0], dynamics.track_modes, (one + two) / 2)
     odd = _advance_half(dynamics.track[1], place[1], dynamics.track_modes, (one - two) / 2)
@@ -59,7 +59,8 @@ def advance(dynamics: Causal, step: int, forces: np.ndarray) -> None:
 
 
 @summing_kernel
-def _advance_wheels(dynamics: Causal, one: float, two: float) -> tuple[float, float]:
+def advance_wheels(dynamics: Any, one: float, two: float) -> tuple[float, float]:
+    """Take in forces of wheel 1 and 2, N, and move the wheelset on; its displacements at the coming step, m."""
     xi_1 = xi_2 = 0.0
     for bank in range(dynamics.wheels.shape[0]):
         w = dynamics.wheels[bank]
@@ -88,7 +89,7 @@ def _advance_half(half: np.ndarray, place: np.ndarray, modes: int, force: float)
 
 
 @summing_kernel
-def stresses(dynamics: Causal, forces: np.ndarray, stress: np.ndarray) -> None:
+def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
     """Fill ``stress`` (S,) Pa at the step whose ``forces`` (2,) N are given; before ``advance``."""
     direct, one, two = dynamics.stress_direct, forces[0], forces[1]
     for group in range(dynamics.stress_output.shape[0]):

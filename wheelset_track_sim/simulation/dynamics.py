@@ -1,4 +1,4 @@
-"""The dynamics as the simulator knows them: one interface, two implementations (``causal`` and ``paper``)."""
+"""The dynamics as the simulator knows them: one interface, three implementations: ``causal``, ``line``, ``paper``."""
 
 from __future__ import annotations
 

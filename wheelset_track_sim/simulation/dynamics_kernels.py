@@ -1,4 +1,4 @@
-"""The one interface of the coupled step to the dynamics, and its two implementations: ``causal`` and ``paper``.
+"""The one interface of the coupled step to the dynamics, and its implementations: ``causal``, ``line`` and ``paper``.
 
 The compiler picks the implementation by the type of ``dynamics``. Every implementation has a ``wheel_compliance`` (2,)
 and a ``rail_compliance`` (L,) in m/N: what the force of a step displaces a wheel, and the rail at a place in the bay,
@@ -13,9 +13,13 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from . import causal_kernels, paper_kernels
+from . import causal_kernels, line_kernels, paper_kernels
 
-_IMPLEMENTATIONS = {causal_kernels.Causal: causal_kernels, paper_kernels.Paper: paper_kernels}
+_IMPLEMENTATIONS = {
+    causal_kernels.Causal: causal_kernels,
+    line_kernels.Line: line_kernels,
+    paper_kernels.Paper: paper_kernels,
+}
 
 
 def displacements(dynamics: Any, step: int, xi: np.ndarray) -> None:

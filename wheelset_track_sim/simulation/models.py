@@ -21,13 +21,16 @@ from ..scenario import Scenario
 from ..structures.reduced_wheelset import ReducedWheelset
 from ..structures.track import Track, load_track
 from ..structures.track_balance import moving_track
+from ..structures.track_line import track_line
 from ..structures.track_ring import MAX_FREQUENCY
 from ..structures.wheelset import Wheelset
 from ..structures.wheelsets import AnyWheelset, load_any_wheelset, reduce_wheelset
-from .causal import causal_model, truncated
+from .causal import causal_model
 from .compilation import compiled_meanwhile
 from .dynamics import DynamicsModel
+from .line import line_model
 from .paper import paper_model
+from .running_wheelset import running_wheelset, truncated
 from .surfaces import contact_geometry
 
 Progress = Callable[[str, float], None]
@@ -98,6 +101,8 @@ def described(scenario: Scenario) -> tuple[AnyWheelset, Track, ContactGeometry]:
             f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
             f"give {track.spacing / math.ceil(bay):g} m"
         )
+    if track.line is not None and scenario.dynamics == "paper":
+        raise InputError("track.line cannot be followed in paper dynamics, whose supports are all the same: use causal")
     geometry = contact_geometry(scenario, wheelset)
     if isinstance(wheelset, Wheelset):
         shifts = geometry.touch(0) - geometry.rolling_circle(0), geometry.touch(1) - geometry.rolling_circle(1)
@@ -126,10 +131,13 @@ def _models(scenario: Scenario, progress: Progress | None, tables: bool | Litera
     if scenario.dynamics == "paper":
         dynamics = paper_model(reduced, track, nodes, max_frequency=band, lag_zero=lag_zero, progress=progress)
     else:
-        limit = min(band or MAX_FREQUENCY, MAX_FREQUENCY)
-        running = moving_track(track, dx, max_frequency=limit, progress=progress)
         kept = reduced if band is None else truncated(reduced, band)
-        dynamics = causal_model(kept, running, nodes, lag_zero)
+        if track.line is not None:
+            dynamics = line_model(running_wheelset(kept, nodes, lag_zero), track_line(track), dx, lag_zero)
+        else:
+            limit = min(band or MAX_FREQUENCY, MAX_FREQUENCY)
+            running = moving_track(track, dx, max_frequency=limit, progress=progress)
+            dynamics = causal_model(kept, running, nodes, lag_zero)
     return Models(
         wheelset=wheelset,
         reduced=reduced,

@@ -10,8 +10,8 @@ People write what differs from the track, as multiples of its values::
         - {sleepers: 20-21, gap: 0.001}                        # two sleepers hang 1 mm above their ballast
       scatter: {pad_stiffness: 0.1, ballast_stiffness: 0.3, seed: 1}
 
-Sleeper 0 stands at x = 0, where step 0 is, and the line repeats after ``bays``. Multiples of several entries, and of the
-scatter, multiply; of several gaps the largest holds.
+Sleeper 0 stands at x = 0, where step 0 is, and the line repeats after ``bays``. Multiples of several entries, and of
+the scatter, multiply; of several gaps the largest holds.
 """
 
 from __future__ import annotations
@@ -150,5 +150,7 @@ def along(line: Line) -> Along:
                     multiples[kind][:, side] *= getattr(entry, kind) ** share
                 if entry.gap is not None:
                     gap[share == 1.0, side] = np.fmax(gap[share == 1.0, side], entry.gap)
-    limited = (np.clip(multiples[kind], *(STIFF if "stiffness" in kind else DAMPED)) for kind in KINDS)
-    return Along(*limited, gap)
+    pads_k, pads_c, beds_k, beds_c = (
+        np.clip(multiples[kind], *(STIFF if "stiffness" in kind else DAMPED)) for kind in KINDS
+    )
+    return Along(pads_k, pads_c, beds_k, beds_c, gap)

@@ -60,7 +60,7 @@ class RailSpan:
         return np.asarray(rows @ self.basis)
 
     def residual(self, x: ArrayLike, response: ArrayLike | None = None) -> Real:
-        """Static deflection (positions,) m/N that the modes left out add at ``x``, or at ``response`` for a load there."""
+        """Static deflection (positions,) m/N of the modes left out at ``x``, or at ``response`` for loads there."""
         x = np.atleast_1d(np.asarray(x, dtype=np.float64))
         y = x if response is None else np.atleast_1d(np.asarray(response, dtype=np.float64))
         whole = local_flexibility(self.track.rail, self.track.spacing, x, y)
@@ -79,7 +79,7 @@ class SleeperModes:
     @property
     def ballast(self) -> Real:
         """Stiffness (2, s, s) of the ballast under either half for a unit stiffness under the whole sleeper."""
-        return np.einsum("hn,ni,nj->hij", self.shares, self.nodes, self.nodes)
+        return np.asarray(np.einsum("hn,ni,nj->hij", self.shares, self.nodes, self.nodes), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,22 +106,26 @@ class TrackLine:
         return 4 + 2 * len(self.span.modes) + len(self.sleeper.stiffness)
 
     def matrices(self, first: int = 0, bays: int | None = None) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
-        """Mass, damping and stiffness of ``bays`` from bay ``first`` on, closed to a ring; all ballast holds both ways."""
+        """Mass, damping and stiffness of ``bays`` from ``first`` on, closed to a ring; all ballast holds both ways."""
         count = self.bays if bays is None else bays
         at = (first + np.arange(count)) % self.bays
         m, n = len(self.span.modes), self.size
         own = np.zeros((3, count, n, n))
         ahead = np.zeros((3, n, n))
         mass, damping, stiffness = own
+        span = self.span
         for rail in range(2):
             ends, modes = slice(2 * rail, 2 * rail + 2), np.arange(4 + m * rail, 4 + m * rail + m)
-            for whole, of_ends, of_modes in ((0, self.span.mass, np.ones(m)), (2, self.span.stiffness, self.span.modes)):
-                own[whole, :, ends, ends] += of_ends[:2, :2] + of_ends[2:, 2:]
-                ahead[whole, ends, ends] += of_ends[:2, 2:]
-                own[whole][:, modes, modes] += of_modes
-            mass[:, ends, modes] += self.span.coupling[:2]
-            mass[:, modes, ends] += self.span.coupling[:2].T
-            ahead[0, modes, ends] += self.span.coupling[2:].T
+            for all_bays, link, of_ends, of_modes in (
+                (mass, ahead[0], span.mass, np.ones(m)),
+                (stiffness, ahead[2], span.stiffness, span.modes),
+            ):
+                all_bays[:, ends, ends] += of_ends[:2, :2] + of_ends[2:, 2:]
+                all_bays[:, modes, modes] += of_modes
+                link[ends, ends] += of_ends[:2, 2:]
+            mass[:, ends, modes] += span.coupling[:2]
+            mass[:, modes, ends] += span.coupling[:2].T
+            ahead[0, modes, ends] += span.coupling[2:].T
         sleeper = np.arange(4 + 2 * m, n)
         mass[:, sleeper, sleeper] += 1.0
         stiffness[:, sleeper, sleeper] += self.sleeper.stiffness
@@ -132,12 +136,11 @@ class TrackLine:
             turn[2 * side + 1, 2 * side + 1] = self.track.pad.length**2 / 12.0
             pad, ballast = np.outer(across, across) + turn, np.zeros((n, n))
             ballast[4 + 2 * m :, 4 + 2 * m :] = self.sleeper.ballast[side]
-            for whole, pads, beds in (
+            for all_bays, pads, beds in (
                 (stiffness, self.pad_stiffness, self.ballast_stiffness),
                 (damping, self.pad_damping, self.ballast_damping),
             ):
-                whole += pads[at, side, None, None] * pad + beds[at, side, None, None] * ballast
-        # with the bay ahead; of a ring of one bay, which has none, that is itself
+                all_bays += pads[at, side, None, None] * pad + beds[at, side, None, None] * ballast
         ring = sp.csr_array((np.ones(count), (np.arange(count), (np.arange(count) + 1) % count)), shape=(count, count))
         M, C, K = (
             sp.csc_array(sp.block_diag(list(blocks)) + sp.kron(ring, link) + sp.kron(ring, link).T)
@@ -175,7 +178,7 @@ class TrackLine:
         found = [row @ splu(sp.csc_array(K + 1j * w * C - w**2 * M)).solve(force.astype(complex)) for w in omega]
         (bay, at), (other, there) = self.places(load[1]), self.places(response[1])
         same = load[0] == response[0] and (bay[0] - other[0]) % self.bays == 0
-        return np.asarray(found) + (self.span.residual(at, there)[0] if same else 0.0)
+        return np.array(found, dtype=np.complex128) + (self.span.residual(at, there)[0] if same else 0.0)
 
     def compliance(self, x: ArrayLike) -> Real:
         """Static deflection (positions, 2) m/N of rail 1 and 2 at ``x`` m, with a unit force on both rails there.
