@@ -68,3 +68,30 @@ def test_a_sleeper_takes_an_even_whole_number_of_elements(plain: dict, elements:
     plain["sleeper"]["elements"] = elements
     with pytest.raises(InputError, match="elements"):
         load_track(plain)
+
+
+def test_slab_track_has_neither_sleepers_nor_ballast(plain: dict) -> None:
+    assert load_track("slab_60e1").sleeper is None
+    for missing, name in (("sleeper", "sleeper"), ("ballast", "ballast")):
+        with pytest.raises(InputError, match=f"{name} is missing: give both"):
+            load_track({key: value for key, value in plain.items() if key != missing})
+
+
+def test_a_base_gives_what_is_not_said(tmp_path: Path) -> None:
+    track = load_track({"base": "ballasted_60e1", "name": "mine", "pad": {"stiffness": 9e7}})
+    base = load_track("ballasted_60e1")
+    assert track == dataclasses.replace(base, name="mine", pad=dataclasses.replace(base.pad, stiffness=9e7))
+    (tmp_path / "one.yaml").write_text("base: ballasted_60e1\nspacing: 0.65\n")
+    again = load_track({"base": str(tmp_path / "one.yaml"), "rail_distance": 1.6})
+    assert again == dataclasses.replace(base, spacing=0.65, rail_distance=1.6)
+
+
+def test_a_base_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"known are.*ballasted_60e1"):
+        load_track({"base": "nowhere"})
+    with pytest.raises(InputError, match=r"track\.base = 3"):
+        load_track({"base": 3})
+    own = tmp_path / "own.yaml"
+    own.write_text(f"base: {own}\n")
+    with pytest.raises(InputError, match=r"track\.base = .*own\.yaml"):
+        load_track(own)

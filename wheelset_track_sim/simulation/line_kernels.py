@@ -81,7 +81,7 @@ def advance(dynamics: Line, step: int, forces: np.ndarray) -> None:
     """Take in the ``forces`` (2,) N of ``step`` and move on to the next one."""
     coming = dynamics.coming
     coming[0, 0], coming[0, 1] = advance_wheels(dynamics, forces[0], forces[1])
-    _accelerate(dynamics, forces[0], forces[1])
+    accelerate(dynamics, forces[0], forces[1])
     foresee(dynamics, step + 1)
 
 
@@ -162,7 +162,7 @@ def _see(line: Line, place: int) -> None:
 
 
 @summing_kernel
-def _accelerate(line: Line, one: float, two: float) -> None:
+def accelerate(line: Line, one: float, two: float) -> None:
     """Accelerations at the step whose predictor is at hand, under the forces of both wheels, N; correct the motion."""
     n, m, load, push, a = COLUMNS, RAIL_MODES, line.load, line.push, line.acceleration
     for rail in range(2):

@@ -183,7 +183,7 @@ class TrackLine:
     def compliance(self, x: ArrayLike) -> Real:
         """Static deflection (positions, 2) m/N of rail 1 and 2 at ``x`` m, with a unit force on both rails there.
 
-        All ballast holds both ways. That of hanging sleepers does not: their gap comes to it.
+        Hanging sleepers count as if they lay on their ballast.
         """
         solve = splu(self.matrices()[2]).solve
         x = np.atleast_1d(np.asarray(x, dtype=np.float64))
@@ -193,6 +193,13 @@ class TrackLine:
             deflected = solve((rails[0] + rails[1]).T)
             found[part] = np.stack([(row * deflected.T).sum(axis=1) for row in rails], axis=1)
         return found + self.span.residual(self.places(x)[1])[:, None]
+
+    def stiffness(self, x: ArrayLike) -> Real:
+        """Static stiffness (positions, 2) N/m of rail 1 and 2 at ``x`` m, the same force on both of them.
+
+        Hanging sleepers count as if they lay on their ballast.
+        """
+        return np.asarray(1.0 / self.compliance(x))
 
 
 @lru_cache(maxsize=8)
