@@ -10,6 +10,7 @@ import pytest
 
 from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.irregularities import Breakout, Harmonic, Polygon, Squat
+from wheelset_track_sim.loads import Loads
 from wheelset_track_sim.recording import Bag, BagWriter, RunInfo, read
 from wheelset_track_sim.recording.inputs import Input
 from wheelset_track_sim.recording.origin import run_info, state, states
@@ -77,7 +78,7 @@ def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> None:
-    """Depth, size, place, kind and number of defects, axle load, speed and acceleration; several at one step, too."""
+    """Depth, size, place, kind and number of defects, load, torque, speed and acceleration; several at one step."""
     seed = random.SystemRandom().randrange(2**32)
     chance = random.Random(seed)
 
@@ -96,6 +97,7 @@ def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> N
     draw: tuple[Callable[[], dict[str, object]], ...] = (
         lambda: {"irregularities": irregularities()},
         lambda: {"axle_load": chance.uniform(150e3, 250e3)},
+        lambda: {"loads": Loads(torque=chance.uniform(-5e3, 5e3))},
         lambda: {"speed": chance.uniform(20.0, 35.0), "acceleration": chance.uniform(0.5, 10.0)},
     )
     plan, step = [], 0

@@ -88,7 +88,7 @@ def compare(blocks: Iterable[SampleBlock], measurement: Measurement, matching: M
     names, at, signals = simulated_signals(blocks, measurement)
     speed = (at[-1, 1] - at[0, 1]) / (at[-1, 0] - at[0, 0])
     axis = at[:, 0 if measurement.axis == "time" else 1]
-    ours = Measurement(measurement.source, measurement.axis, axis, dict(zip(names, signals.T, strict=True)))
+    ours = Measurement(Path("the simulation"), measurement.axis, axis, dict(zip(names, signals.T, strict=True)))
     theirs = Measurement(
         measurement.source, measurement.axis, measurement.at, {name: measurement.signals[name] for name in names}
     )

@@ -150,8 +150,11 @@ class _Player:
         return self.simulator.advance(steps)
 
     def up_to(self, step: int) -> Iterator[SampleBlock]:
+        start = self.simulator.next_step
         while (left := step - self.simulator.next_step) > 0:
             yield self.advance(min(left, CHUNK))
+            if self._progress:
+                self._progress("simulate what comes before", (self.simulator.next_step - start) / (step - start))
 
 
 class _Comparison:
