@@ -2,13 +2,14 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check lint validation bench clean distclean
+.PHONY: help setup demo test check lint validation gallery bench clean distclean
 
 help:
 	@echo "make demo    set up all that is missing, simulate the damaged wheel, show picture and table"
 	@echo "make test    set up all that is missing, run all tests"
 	@echo "make check   lint, types and the fast tests"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
+	@echo "make gallery     draw all shipped scenarios and what they do for docs/gallery.md: ten minutes"
 	@echo "make bench   measure speed and memory, print tables, rewrite docs/performance.md: a quarter of an hour"
 	@echo "make setup   set up only: .venv with ROS 2 Jazzy, messages and package"
 	@echo "make clean   remove build products; make distclean removes .venv too"
@@ -29,6 +30,10 @@ check: lint
 validation:
 	@$(PYTHON) tools/setup_env.py test
 	$(BIN)/python -m tools.validation
+
+gallery:
+	@$(PYTHON) tools/setup_env.py test
+	$(BIN)/python -m tools.gallery
 
 bench:
 	@$(PYTHON) tools/setup_env.py test bench

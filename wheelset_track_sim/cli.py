@@ -85,6 +85,12 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
     run.set_defaults(command=_run)
 
+    show = commands.add_parser("show", help="a picture of a scenario: treads, rails, profiles, supports, wheelset")
+    show.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped one")
+    show.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key, such as speed=30")
+    show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
+    show.set_defaults(command=_show)
+
     study = commands.add_parser("study", help="a parameter study: runs, figures, tables, summary")
     names = ", ".join(shipped.names("studies"))
     study.add_argument("study", metavar="STUDY", help=f"a file, one of {names}, or all of these")
@@ -212,6 +218,12 @@ def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, Impac
         name, _, rest = str(refusal).partition(" ")
         raise InputError(f"--{named[name].replace('_', '-')} {rest}") from None
     return settings, None if options.threshold is None else ImpactSettings(options.threshold)
+
+
+def _show(options: argparse.Namespace) -> int:
+    from .commands.show import show
+
+    return show(options.scenario, options.set, options.out)
 
 
 def _study(options: argparse.Namespace) -> int:

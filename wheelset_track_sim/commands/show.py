@@ -1,0 +1,21 @@
+"""``show``: a picture of what a scenario describes, before it is run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from ..scenario import load_scenario
+from ..show import show_scenario
+from .progress import shown
+
+
+def show(name: str, changes: Sequence[str], out: Path | None) -> int:
+    """Write the picture of a scenario; returns the exit status."""
+    scenario = load_scenario(name, changes)
+    with shown() as progress:
+        path = show_scenario(scenario, out or Path(f"{scenario.name}.png"), progress)
+    Console().print(f"picture {path}", highlight=False, soft_wrap=True)
+    return 0
