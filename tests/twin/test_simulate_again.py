@@ -113,6 +113,12 @@ def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> N
     assert found.after.wheels[0].max_force > 1.1 * found.after.wheels[0].mean_force, f"seed {seed}"
 
 
+@pytest.mark.parametrize("scenario", ["rough_wheel", "line_speeds", "slab_track"])
+def test_other_scenarios_give_the_same_bits_too(tmp_path: Path, scenario: str) -> None:
+    simulator = Simulator(load_scenario(scenario))
+    assert simulate_again(recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 3000)).identical
+
+
 def test_a_part_of_a_bag_is_simulated_from_the_start_of_its_run(tmp_path: Path) -> None:
     simulator = Simulator(load_scenario("undamaged"))
     with BagWriter(tmp_path / "run", run_info(simulator), start_ns=5) as writer:
