@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.line import LineModel
-from wheelset_track_sim.simulation.line_kernels import Line, accelerate, foresee
+from wheelset_track_sim.simulation.line_kernels import Line, move
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.structures.supports import along
 from wheelset_track_sim.structures.track import Track, load_track
@@ -55,8 +55,7 @@ def moved(model: LineModel, track: Track, step: int, forces: np.ndarray, stay: b
     xi = np.zeros(forces.shape)
     for n, (one, two) in enumerate(forces):
         xi[n] = line.coming[1] + line.rail_compliance[0] * forces[n]
-        accelerate(line, one, two)
-        foresee(line, step if stay else step + n + 1)
+        move(line.bays, step if stay else step + n + 1, one, two)
     return xi
 
 
@@ -151,8 +150,7 @@ def test_slow_loads_deflect_the_rails_of_a_transition_statically(wheelset: LineM
     xi = np.zeros(steps)
     for n in range(steps):
         xi[n] = running.coming[1, 0] + running.rail_compliance[0] * load
-        accelerate(running, load, load)
-        foresee(running, first + n + 1)
+        move(running.bays, first + n + 1, load, load)
     static = line.compliance((first + np.arange(0, steps, 50)) * DX)[:, 0] * load
     assert static.max() / static.min() > 1.5
     assert xi[::50] == pytest.approx(static, rel=0.015)

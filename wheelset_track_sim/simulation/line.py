@@ -27,10 +27,11 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from ..errors import InputError
+from ..jit import Address
 from ..one_core import on_one_core
 from ..structures.track_line import TrackLine
 from .line_bay_kernels import COLUMNS, FACTORS, HALF, MIDDLE, NODES, RAIL_MODES, ROWS, SLEEPER
-from .line_kernels import Line, foresee
+from .line_kernels import Bays, Line, move
 from .line_steps import line_parts, line_steps
 from .running_wheelset import RunningWheelset
 
@@ -64,8 +65,7 @@ class LineModel(RunningWheelset):
         state = self.standing(wheel_load, dx / speed)
         coming = np.zeros((2, 2))
         coming[0] = (self.wheelset.outputs @ state).real
-        started = Line(
-            **self.at(state, dx, speed, speed)._asdict(),
+        bays = Bays(
             coming=coming,
             rail_compliance=np.zeros(1),
             deflection=_standing(self.line, step * dx, wheel_load),
@@ -75,14 +75,21 @@ class LineModel(RunningWheelset):
             work=np.zeros((4 * HALF + 4) * COLUMNS),
             window=np.zeros(FACTORS * COLUMNS),
             hub=np.zeros((12, 12)),
-            push=np.zeros(7 + 3 * RAIL_MODES),
+            push=np.ones(7 + 3 * RAIL_MODES),
             at=np.array([(step + len(steps.own) // 2) // len(steps.own), 0]),
             parts=line_parts(self.line, dx),
             steps=steps,
+        )
+        mover = _mover(bays)
+        move(bays, step, 0.0, 0.0)  # nothing is loaded yet, so nothing moves
+        return Line(
+            **self.at(state, dx, speed, speed)._asdict(),
+            coming=coming,
+            rail_compliance=bays.rail_compliance,
+            bays=bays,
+            move=mover,
             speed=speed,
         )
-        foresee(started, step)
-        return started
 
     @on_one_core
     def at_speed(self, dynamics: Line, step: int, dx: float, speed: float, behind: float) -> Line:
@@ -91,9 +98,10 @@ class LineModel(RunningWheelset):
         For the one step at which the speed changes, ``behind`` is the speed with which that step was reached.
         """
         if dynamics.speed != speed:
-            dynamics.at[1] = 0
-        wheels = self.at(self.state_of(dynamics.wheels), dx, speed, behind)._asdict()
-        return dynamics._replace(**wheels, steps=line_steps(self.line, self.residual, dx, speed), speed=speed)
+            dynamics.bays.at[1] = 0
+        bays = dynamics.bays._replace(steps=line_steps(self.line, self.residual, dx, speed))
+        wheels = self.at(self.state_of(dynamics.wheels), dx, speed, behind)
+        return dynamics._replace(**wheels._asdict(), bays=bays, speed=speed)
 
     @on_one_core
     def prepare(self, dx: float, speed: float) -> None:
@@ -117,6 +125,16 @@ def line_model(running: RunningWheelset, line: TrackLine, dx: float, lag_zero: s
 
 SLOWEST = 5.0
 """Lowest speed of a scenario, m/s."""
+
+
+_MOVER: list[Address] = []
+
+
+def _mover(bays: Bays) -> Address:
+    """``move`` for the coupled step: compiled once, whether that solves contacts or not."""
+    if not _MOVER:  # to the compiler, all bays are of one type
+        _MOVER.append(Address(move, 0, (bays, 0, 0.0, 0.0)))
+    return _MOVER[0]
 
 
 @lru_cache(maxsize=8)
