@@ -317,3 +317,12 @@ def test_any_breakout_has_tables_like_the_solver(a, b, h, y, tread):
     for force in (1e3, 100e3, 400e3):
         approach = approach_for_force(law, 0, tread, 0, force)
         assert contact_force(plain, 0, tread, 0, approach, 0.0) == pytest.approx(force, abs=1e-5)
+
+
+def test_approach_for_force_where_the_approach_is_next_to_zero():
+    """Raised surfaces touch before their nominal ones do: at 98 kN the approach may be anything, also nothing."""
+    smooth = build_contact_law([], GEOMETRY, DX, N_C, tables=False)
+    at = approach_for_force(smooth, 0, 0, 0, 98e3)
+    for raised in (at, at * (1 + 1e-9), 1e-3):
+        law = smooth._replace(tread=smooth.tread + raised, tread_top=smooth.tread_top + raised)
+        assert approach_for_force(law, 0, 0, 0, 98e3) == pytest.approx(at - raised, abs=1e-17)

@@ -34,6 +34,8 @@ ELEMENT_WIDTH = 0.75e-3
 the patch is 8 by 6 mm; with a width of 1 mm it is not."""
 
 
+MOST_STEPS = 200
+"""Of the search for the approach that bears a force, which takes about ten."""
 TABLE_FORCE = 400e3
 """Largest force in the tables, N, beyond that of most impacts: the work of a table grows with the square of it."""
 
@@ -307,7 +309,9 @@ def approach_for_force(
         return touch
     approach = touch + 1e-6
     low, high = touch, np.inf
-    while np.isinf(high) or high - low > 1e-2 * (high - touch):
+    for _ in range(MOST_STEPS):
+        if np.isfinite(high) and high - low <= 1e-2 * (high - touch):
+            break
         try:
             patch = solve_patch(law, wheel, tread_index, rail_index, approach)
         except ContactError:
@@ -322,7 +326,7 @@ def approach_for_force(
         step = (force - patch.force) / patch.stiffness
         if force > 2.0 * patch.force:
             step = 1.5 * ((force / patch.force) ** (2 / 3) - 1.0) * patch.force / patch.stiffness
-        if abs(step) <= 2 * np.spacing(approach):
+        if abs(step) <= 2 * np.spacing(max(abs(approach), abs(touch), approach - touch)):  # it may be next to zero
             return approach + compliance * force
         approach = approach + step if approach + step < high else 0.5 * (approach + high)
     raise ContactError(

@@ -9,7 +9,6 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
 from ..schema import quantity
 from .head_defect import position
 from .surface import RAILS, Patch, Surface, check_shape
@@ -37,8 +36,6 @@ class Joint:
 
     def __post_init__(self) -> None:
         check_shape(self, RAILS)
-        if self.gap > self.length / 2:
-            raise InputError(f"gap = {self.gap:g} m is more than half of length: give up to {self.length / 2:g} m")
 
     @property
     def end(self) -> float:

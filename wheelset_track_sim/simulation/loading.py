@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .handover import FADE, Handover
+
 if TYPE_CHECKING:
     from typing_extensions import Self
 
@@ -31,8 +33,8 @@ class Loading:
     """(2,) m, without the changes under way."""
     changes: tuple[tuple[float, Real], ...] = ()
     """Time at which each begins, s since step 0, and what it adds in the end, (2,) m."""
-    fading: tuple[tuple[float, Real], ...] = ()
-    """Time at which each begins to fade, s since step 0, and what it adds until then, (2,) m (``handover``)."""
+    handovers: tuple[Handover, ...] = ()
+    """From one contact law to another, that are under way."""
 
     def changed(self, time: float, preload: Real) -> Self:
         """The same with a change that begins at ``time``, s, and leads to ``preload``, (2,) m."""
@@ -41,32 +43,28 @@ class Loading:
             return self
         return replace(self, changes=(*self.changes, (time, added)))
 
-    def raised(self, time: float, by: Real) -> Self:
-        """The same with an approach raised ``by`` (2,) m at ``time``, s, which fades as a change rises."""
-        return replace(self, fading=(*self.fading, (time, by))) if by.any() else self
+    def raised(self, by: Handover) -> Self:
+        """The same with an approach that is raised for a handover."""
+        return replace(self, handovers=(*self.handovers, by))
 
     def over(self, time: float) -> Self:
         """The same without the changes that are over at ``time``, s: they are settled. It changes no bit."""
         settled, left = self.settled, self.changes
         while left and time - left[0][0] >= RISE:
             settled, left = settled + left[0][1], left[1:]
-        fading = self.fading
-        while fading and time - fading[0][0] >= RISE:
-            fading = fading[1:]
-        if left is self.changes and fading is self.fading:
+        handovers = self.handovers
+        while handovers and time - handovers[0].time >= FADE:
+            handovers = handovers[1:]
+        if left is self.changes and handovers is self.handovers:
             return self
-        return type(self)(settled, left, fading)
+        return type(self)(settled, left, handovers)
 
     def at(self, times: Real) -> Real:
         """Preload at ``times`` (n,) s: (n, 2) m."""
         preload = np.tile(self.settled, (len(times), 1))
         for begin, added in self.changes:
-            preload += _risen(times - begin)[:, np.newaxis] * added
-        for begin, added in self.fading:
-            preload += (1.0 - _risen(times - begin))[:, np.newaxis] * added
+            share = 0.5 - 0.5 * np.cos(np.pi * np.clip((times - begin) / RISE, 0.0, 1.0))
+            preload += share[:, np.newaxis] * added
+        for each in self.handovers:
+            preload += each.at(times)
         return preload
-
-
-def _risen(times: Real) -> Real:
-    """Share of a change that bears ``times`` s after its begin."""
-    return 0.5 - 0.5 * np.cos(np.pi * np.clip(times / RISE, 0.0, 1.0))

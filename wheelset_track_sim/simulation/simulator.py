@@ -246,8 +246,9 @@ class Simulator:
         self._loading = self._loading.over(time)
         for condition in self._changes.due(self.next_step):
             if not condition.clear:
-                step, origin = self.next_step, self._models.tread_origin
-                self._loading = self._loading.raised(time, handover(law, condition.law, step, origin, self._forces))
+                where = self.next_step, self._models.tread_origin
+                by = handover(law, condition.law, *where, self._forces, time, self.step_period)
+                self._loading = self._loading.raised(by)
             now, law = condition.scenario, condition.law
             if any(getattr(now, key) != getattr(before, key) for key in ("speed", "acceleration", "speed_plan")):
                 set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed

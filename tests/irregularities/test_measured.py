@@ -1,0 +1,144 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.irregularities import Profile, rail_heights, tread_heights
+from wheelset_track_sim.scenario import load_scenario
+
+N_C, DX = 2713, 1e-3
+Y = np.array([-0.004, 0.0, 0.003])
+
+
+def csv(path, rows, header="angle,height"):
+    path.write_text(
+        "\n".join([header, *(",".join("" if np.isnan(x) else repr(float(x)) for x in row) for row in rows)])
+    )
+    return str(path)
+
+
+def waves(angle, *orders):
+    return sum(1e-5 * np.cos(order * angle + order) for order in orders)
+
+
+def on_wheel(file, **options):
+    return Profile("wheel_1", file, **{"along": "rad", "height": "m"} | options)
+
+
+def heights_of(profile):
+    return tread_heights([profile], profile.on, N_C, DX, Y)
+
+
+@pytest.mark.parametrize("samples", [720, 2713, 6000])
+def test_a_tread_comes_back_and_waves_that_steps_cannot_hold_do_not_appear_as_others(tmp_path, samples):
+    angle = 2 * np.pi * np.arange(samples) / samples
+    short = (2000,) if samples > 4000 else ()
+    file = csv(tmp_path / "tread.csv", zip(angle, 0.43 + waves(angle, 1, 7, 90, *short), strict=True))
+    found = heights_of(on_wheel(file))
+    assert (found == found[:, :1]).all()
+    steps = 2 * np.pi * np.arange(N_C) / N_C
+    assert found[:, 0] == pytest.approx(waves(steps, 1, 7, 90), abs=1e-13)
+
+
+def test_an_angle_turns_it_and_units_are_those_given(tmp_path):
+    angle = np.arange(0.0, 360.0, 0.5)
+    file = csv(tmp_path / "tread.csv", zip(angle, 1e3 * waves(np.radians(angle), 3), strict=True))
+    profile = on_wheel(file, along="deg", height="mm")
+    turned = dataclasses.replace(profile, angle=1.0)
+    assert heights_of(turned) == pytest.approx(
+        np.roll(heights_of(profile), round(N_C / (2 * np.pi)), axis=0), abs=1e-18
+    )
+    length = np.arange(2800) * 1.0  # mm around a wheel that is 3 % larger
+    file = csv(tmp_path / "length.csv", zip(length, 1e6 * waves(2 * np.pi * length / 2800, 3), strict=True))
+    assert heights_of(on_wheel(file, along="mm", height="um")) == pytest.approx(heights_of(profile), abs=1e-9)
+
+
+def test_numpy_files_and_tables_across(tmp_path):
+    angle, across = np.linspace(0, 2 * np.pi, 720, endpoint=False), np.array([-5.0, 0.0, 5.0])
+    table = np.full((721, 4), np.nan)
+    table[0, 1:], table[1:, 0] = across, angle
+    table[1:, 1:] = waves(angle, 4)[:, None] * (1 + across / 10)
+    np.save(tmp_path / "tread.npy", table)
+    profile = on_wheel(str(tmp_path / "tread.npy"))
+    expected = waves(2 * np.pi * np.arange(N_C) / N_C, 4)[:, None] * (1 + Y * 1e3 / 10)
+    assert heights_of(profile) == pytest.approx(expected, abs=1e-13)
+    text = csv(tmp_path / "tread.csv", table[1:], ",".join(["angle", *map(str, across)]))
+    assert heights_of(on_wheel(text)) == pytest.approx(heights_of(profile), abs=1e-15)
+
+
+def test_gaps_are_refused_or_filled_as_told(tmp_path):
+    angle = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    rows = np.column_stack([angle, waves(angle, 2)])
+    missing = rows.copy()
+    missing[100:105, 1] = np.nan
+    cut = np.delete(rows, slice(300, 310), axis=0)
+    whole = heights_of(on_wheel(csv(tmp_path / "whole.csv", rows)))
+    for name, with_gap, words in (("missing", missing, "no value at 0.87"), ("cut", cut, "no sample for 0.09")):
+        file = csv(tmp_path / f"{name}.csv", with_gap)
+        with pytest.raises(InputError, match=rf"{words}.*complete it, or give gaps: fill"):
+            on_wheel(file)
+        filled = heights_of(on_wheel(file, gaps="fill"))
+        assert np.abs(filled - whole).max() < 2e-7
+    half = csv(tmp_path / "half.csv", rows[:360])
+    with pytest.raises(InputError, match="no sample for 3"):
+        on_wheel(half)
+
+
+def test_a_rail_begins_where_told_without_its_slope_and_repeats_if_told(tmp_path):
+    x = np.arange(0.0, 3.0, 2.5e-4)
+    high = 2e-5 * np.sin(2 * np.pi * x / 0.3) + 1e-3 * x + 0.5 + 1e-5 * np.sin(2 * np.pi * x / 0.0013)
+    profile = Profile("rail_1", csv(tmp_path / "rail.csv", zip(x, high, strict=True)), "m", "m", start=2.0, ramp=0.3)
+    heights = rail_heights([profile], "rail_1", 10_000, DX, Y).all()[:, 0]
+    assert not heights[:2000].any()
+    assert not heights[5001:].any()
+    middle = np.arange(2400, 4600)
+    smooth = 2e-5 * np.sin(2 * np.pi * (middle * DX - 2.0) / 0.3)
+    assert np.abs(heights[middle] - smooth).max() < 2e-6
+    repeated = dataclasses.replace(profile, start=0.0, repeat=True)
+    along = rail_heights([repeated], "rail_1", 9000, DX, Y).all()[:, 0]
+    assert (along[:3000] == along[6000:]).all()
+    with pytest.raises(InputError, match=r"repeats after 3 m, the line after 10 m: give a line_length of 12 m"):
+        rail_heights([repeated], "rail_1", 10_000, DX, Y)
+
+
+def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):
+    angle = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    good = csv(tmp_path / "good.csv", zip(angle, waves(angle, 2), strict=True))
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "words.csv").write_text("a,b\n1,2\nx,y\n")
+    (tmp_path / "ragged.csv").write_text("1,2\n1,2,3\n")
+    (tmp_path / "broken.npy").write_bytes(b"no array")
+    np.save(tmp_path / "complex.npy", np.zeros((9, 2), complex))
+    np.save(tmp_path / "large.npy", np.zeros((200_001, 1)))
+    twice = csv(tmp_path / "twice.csv", zip(np.repeat(angle, 2), np.repeat(angle, 2), strict=True))
+    for options, words in (
+        ({"file": str(tmp_path / "none.csv")}, "cannot be read"),
+        ({"file": str(tmp_path / "binary.csv")}, "is not text"),
+        ({"file": str(tmp_path / "words.csv")}, "row 3: give numbers"),
+        ({"file": str(tmp_path / "ragged.csv")}, "3 cells in row 2"),
+        ({"file": str(tmp_path / "broken.npy")}, "is not a NumPy file"),
+        ({"file": str(tmp_path / "complex.npy")}, "no array of real numbers"),
+        ({"file": str(tmp_path / "large.npy")}, "200000 numbers at most"),
+        ({"file": twice}, "two samples at"),
+        ({"along": "inch"}, "along = 'inch' is not a known unit"),
+        ({"on": "rail_1"}, "along = rad is not of rails"),
+        ({"start": 3.0}, "start and repeat are of rails"),
+    ):
+        with pytest.raises(InputError, match=words) as refusal:
+            Profile(**{"on": "wheel_1", "file": good, "along": "rad", "height": "m"} | options)
+        assert "\n" not in str(refusal.value)
+
+
+def test_a_scenario_takes_the_table_in_and_needs_no_file_any_more(tmp_path):
+    angle = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    file = csv(tmp_path / "tread.csv", zip(angle, waves(angle, 2), strict=True))
+    text = load_scenario("undamaged", ["name=own"]).to_yaml().replace("irregularities: []", "")
+    (tmp_path / "own.yaml").write_text(
+        text + "irregularities: [{type: profile, on: wheel_1, file: tread.csv, along: rad, height: m}]\n"
+    )
+    scenario = load_scenario(tmp_path / "own.yaml")  # found beside the scenario
+    (tmp_path / "tread.csv").unlink()
+    (tmp_path / "again.yaml").write_text(scenario.to_yaml())
+    assert load_scenario(tmp_path / "again.yaml") == scenario
+    assert heights_of(scenario.irregularities[0]).any(), file
