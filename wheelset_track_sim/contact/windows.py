@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,8 @@ NEARLY_SMOOTH = 0.1e-3
 """Differences of height within the contact area of such a stretch, m, which the nested solver takes in its stride."""
 MOST_IN_ANY = 3000
 """Tables of any stretch, a minute or two of work; beyond, each step is solved."""
+OFTEN = 8
+"""Times that a window stands in a stretch to have a table where not all have: waves of a whole number of steps do."""
 
 
 class Windows(NamedTuple):
@@ -88,23 +91,28 @@ class _Search:
         return number
 
     def _stretch(self, row: NDArray[np.int32], positions: NDArray[np.intp], base: int) -> NDArray[np.int32]:
-        """Window of each of the consecutive ``positions``, or -1 for all of them where they need too many."""
-        nominal, known, before, smoothly = self.gaps[base], len(self.gaps), dict(self._found), True
-        offset = np.arange(len(nominal)) - len(nominal) // 2
-        number = np.empty(len(positions), np.int32)
-        for place, position in enumerate(positions):
-            ids = row[(position + offset) % len(row)]
-            key = base, min(ids.tobytes(), ids[::-1].tobytes())
-            if key not in self._found:
-                window = self._rows[ids]
-                bears = window[np.minimum(nominal, nominal - window) < self._reach].any()
-                self._found[key] = len(self.gaps) if bears else base
-                if bears:
-                    self.gaps.append(nominal - window)
-                    smoothly = smoothly and self._top[ids].max() - self._bottom[ids].min() < NEARLY_SMOOTH
-                    if len(self.gaps) - known > (MOST_IN_A_STRETCH if smoothly else MOST_IN_ANY):
-                        del self.gaps[known:]
-                        self._found = before
-                        return np.full(len(positions), -1, np.int32)
-            number[place] = self._found[key]
+        """Window of each of the consecutive ``positions``; -1 for rare ones where all would be too many."""
+        nominal = self.gaps[base]
+        ids = row[(positions[:, None] + np.arange(len(nominal)) - len(nominal) // 2) % len(row)]
+        keys = [min(one.tobytes(), turned.tobytes()) for one, turned in zip(ids, ids[:, ::-1], strict=True)]
+        times = Counter(keys)
+        difference = (self._top[ids].max(axis=1) - self._bottom[ids].min(axis=1)).max()
+        most, least = MOST_IN_A_STRETCH if difference < NEARLY_SMOOTH else MOST_IN_ANY, 1
+        if len(times) > most:
+            least = OFTEN if sum(count >= OFTEN for count in times.values()) <= most else len(keys) + 1
+        number = np.full(len(positions), -1, np.int32)
+        for place, key in enumerate(keys):
+            if times[key] >= least:
+                number[place] = self._number(ids[place], key, base)
         return number
+
+    def _number(self, ids: NDArray[np.int32], key: bytes, base: int) -> int:
+        """Of the window of some rows, which is that of a smooth surface if they cannot bear."""
+        nominal = self.gaps[base]
+        if (base, key) not in self._found:
+            window = self._rows[ids]
+            bears = window[np.minimum(nominal, nominal - window) < self._reach].any()
+            self._found[base, key] = len(self.gaps) if bears else base
+            if bears:
+                self.gaps.append(nominal - window)
+        return self._found[base, key]
