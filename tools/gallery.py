@@ -32,7 +32,9 @@ GROUPS = {
     "All together": ("mixed",),
 }
 WINDOW = 1.5
-"""m shown to either side of the largest deviation from the static force."""
+"""m shown to either side of the largest deviation from the static force..."""
+WIDE = 12.0
+"""...and where it is the supports that differ."""
 LONGEST = 60.0
 """m run at most."""
 
@@ -73,7 +75,8 @@ def response(scenario: Scenario) -> Row:
         blocks.append(simulator.advance(steps - simulator.next_step))
     forces = np.concatenate([block.forces for block in blocks])
     stresses = np.concatenate([block.max_principal for block in blocks])
-    reach = round(WINDOW / scenario.step_length)
+    varied = simulator.models.track.line is not None
+    reach = round((WIDE if varied else WINDOW) / scenario.step_length)
     centre = int(np.abs(forces - scenario.wheel_load).max(axis=1).argmax())
     part = slice(max(0, centre - reach), min(steps, centre + reach))
     position = np.arange(steps)[part] * scenario.step_length

@@ -18,6 +18,10 @@ def draw_wheelset(axes: Axes, outline: SectionOutline) -> None:
         for block in blocks:
             for side in (1.0, -1.0):
                 axes.fill(block[:, 0], side * block[:, 1], color=PARTS.get(name, OTHER), lw=0.4, ec="#666666")
+    if not outline.parts:  # a wheelset that is known by its modes only
+        for y, r in outline.contacts:
+            axes.plot([y, y], [-r, r], color="#888888", linewidth=1.0, linestyle=(0, (4, 3)))
+        axes.plot(outline.contacts[:, 0], [0.0, 0.0], color="#888888", linewidth=1.0, linestyle=(0, (4, 3)))
     for name, (first, last, radius) in outline.masses.items():
         middle = (first + last) / 2
         axes.plot([middle, middle], [-radius, radius], "s", color="#7a5c1e", markersize=5)
