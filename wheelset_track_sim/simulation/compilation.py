@@ -48,6 +48,7 @@ def compiled_meanwhile() -> Iterator[None]:
 def compile_kernels() -> None:
     """Compile the kernels of a run: take a step of a system of two modes, for the compiler looks at types alone."""
     from ..contact.geometry import ContactGeometry
+    from ..contact.nested import no_nested_contacts
     from ..scenario import load_scenario
     from ..structures.reduced_wheelset import ReducedWheelset
     from ..structures.track_balance import HalfTrack, MovingTrack
@@ -94,7 +95,10 @@ def compile_kernels() -> None:
     )
     # One table will do: kernels that build tables or solve contacts are compiled by who needs them.
     law = models.contact_law(())._replace(
-        table=np.zeros((2, 1000), np.int32), first_point=np.array([0, 2]), points=np.array([[0.0, 0.0], [1.0, 1e9]])
+        table=np.zeros((2, 1000), np.int32),
+        first_point=np.array([0, 2]),
+        points=np.array([[0.0, 0.0], [1.0, 1e9]]),
+        nested=(no_nested_contacts(), no_nested_contacts()),
     )
     forces, _ = Coupled(models, 0.0, 0, scenario.speed).run(
         Condition(Revision(0, 0), scenario, law, np.zeros(2)), scenario.speed, np.zeros((1, 2))
