@@ -223,8 +223,8 @@ def test_a_change_that_takes_long_holds_up_nothing_else(start, client, services,
     start(scenario="undamaged")
     client.until(lambda: forces)
     depth = random.SystemRandom().uniform(0.001, 0.0011)  # new to every cache
-    many = [{"wheel": 1 + n % 2, "angle": 0.5 * n, "h": depth + 1e-7 * n, "y": 0.001 * (n % 5)} for n in range(8)]
-    long = {"wheel_2.damage.a": 0.12, "wheel_2.damage.h": depth}
+    many = [{"wheel": 1 + n % 2, "angle": 0.4 * n, "h": depth + 1e-7 * n, "y": 0.001 * (n % 5)} for n in range(14)]
+    long = {"wheel_2.damage.a": 0.12, "wheel_2.damage.h": depth, "wheel_2.damage.y": 0.004}  # no symmetry
     answers = []
 
     def change():
@@ -233,7 +233,7 @@ def test_a_change_that_takes_long_holds_up_nothing_else(start, client, services,
     waiting = threading.Thread(target=change)
     waiting.start()
     other = type(services)(type(client)(client.node, client.running))
-    time.sleep(0.5)
+    time.sleep(0.2)
     seen = len(forces)
     assert other.client.get("wheel_1.damage.h", "wheel_2.damage.h") == [0.0, 0.0]
     assert other.client.state() == "active"
