@@ -22,18 +22,21 @@ def allowed(enclave, kind, rule):
 
 
 def known(client, publishes, serves):
-    """Topics published and services of the node, once discovery has come to know some of them."""
-    from rclpy.node import NodeNameNonExistentError
+    """Topics published, topics subscribed and services in the domain once some of them are discovered.
 
-    found = []
+    There are but the node and the client in it, whose own services and subscriptions are left out. The graph by node
+    would be shorter, but it stays incomplete now and then where a process has had many nodes.
+    """
+    graph, found = client.node, []
 
     def complete():
-        try:
-            published = {name for name, _ in client.node.get_publisher_names_and_types_by_node(NODE, "/")}
-            services = {name for name, _ in client.node.get_service_names_and_types_by_node(NODE, "/")}
-        except NodeNameNonExistentError:
-            return False
-        found[:] = published, services
+        topics = {name for name, _ in graph.get_topic_names_and_types()}
+        services = {name for name, _ in graph.get_service_names_and_types()}
+        published = {name for name in topics if graph.count_publishers(name)}
+        subscribed = {name for name in topics if graph.count_subscribers(name)}
+        own = {subscription.topic_name for subscription in graph.subscriptions}
+        client_services = {name for name in services if name.startswith(graph.get_fully_qualified_name() + "/")}
+        found[:] = published, subscribed - own, services - client_services
         return publishes <= published and serves <= services
 
     client.until(complete)
@@ -45,10 +48,10 @@ def test_all_that_the_node_does_is_allowed_and_others_may_use_it(start, client):
     start(scenario="damage_wheel_1")
     client.until(lambda: forces)
     own = f"/{NODE}"
-    published, services = known(
+    published, subscribed, services = known(
         client, {f"{own}/impacts", "/diagnostics", "/rosout"}, {f"{own}/set_parameters", f"{own}/change_state"}
     )
-    subscribed = {name for name, _ in client.node.get_subscriber_names_and_types_by_node(NODE, "/")}
+    assert f"{own}/cmd/speed" in subscribed
     assert published <= allowed(own, "topics", "publish")
     assert subscribed <= allowed(own, "topics", "subscribe")
     assert services <= allowed(own, "services", "reply")
@@ -62,6 +65,6 @@ def test_a_replay_under_the_name_of_the_node_may_do_what_it_does(start, client, 
     start(short_bag, "--start-paused", program="replay", publish_clock="true")
     assert client.get("loop") == [False]
     own = f"/{NODE}"
-    published, services = known(client, {f"{own}/summary"}, {f"{own}/play_next"})
+    published, _, services = known(client, {f"{own}/summary"}, {f"{own}/play_next"})
     assert published <= allowed(own, "topics", "publish")
     assert services <= allowed(own, "services", "reply") & allowed(f"{own}/operator", "services", "request")
