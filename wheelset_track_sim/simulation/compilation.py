@@ -94,8 +94,11 @@ def compile_kernels() -> None:
         tables=False,
     )
     # One table will do: kernels that build tables or solve contacts are compiled by who needs them.
-    law = models.contact_law(())._replace(
+    law = models.contact_law(())
+    law = law._replace(
         table=np.zeros((2, 1000), np.int32),
+        rail_table=np.zeros_like(law.rail_table),
+        smooth_tables=1,
         first_point=np.array([0, 2]),
         points=np.array([[0.0, 0.0], [1.0, 1e9]]),
         nested=(no_nested_contacts(), no_nested_contacts()),
