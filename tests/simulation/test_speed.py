@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.scenario import SetPoint
@@ -39,6 +39,7 @@ def test_the_way_down_has_the_levels_of_the_way_up(one: float, other: float) -> 
 
 
 @given(SPEEDS, SPEEDS, ACCELERATIONS, LENGTHS, st.integers(0, 10**10))
+@example(5.0, math.nextafter(5.0, 6.0), 1.0, 2e-4, 0)  # a way of no length
 def test_a_ramp_follows_a_train_of_constant_acceleration(
     speed: float, set_point: float, acceleration: float, dx: float, step: int
 ) -> None:

@@ -102,7 +102,7 @@ def ramp(start: Stretch, acceleration: float, dx: float) -> Iterator[Stretch]:
     for before, after in pairwise([start.speed, *levels(start.speed, start.set_point)]):
         mean = (before + after) / 2
         way = abs(mean**2 - start.speed**2) / (2 * acceleration)
-        borders[start.step + math.ceil(way / dx)] = after  # of several levels at a step the last one
+        borders[start.step + max(1, math.ceil(way / dx))] = after  # of several levels at a step the last one
     for step, speed in borders.items():
         on = Stretch(step, on.time_of(step, dx), speed, start.set_point)
         yield on
