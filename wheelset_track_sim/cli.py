@@ -300,14 +300,10 @@ def _demo(options: argparse.Namespace) -> int:
 
 
 def _node(arguments: list[str]) -> int:
-    try:
+    from .commands.needs_ros import needs_ros
+
+    with needs_ros("the node"):
         from .ros.process import main as node
-    except ModuleNotFoundError as missing:
-        if missing.name not in {"rclpy", "wheelset_track_msgs"}:
-            raise
-        raise InputError(
-            f"the node needs ROS 2 Jazzy, and {missing.name} is not there: run make setup, or source the installation"
-        ) from None
     status: int = node(arguments)
     return status
 

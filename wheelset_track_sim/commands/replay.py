@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from .needs_ros import needs_ros
 
 
 def replay(bag: Path | None, ros_arguments: Sequence[str], **given: Any) -> int:
@@ -14,14 +14,8 @@ def replay(bag: Path | None, ros_arguments: Sequence[str], **given: Any) -> int:
 
     ``given`` are parameters of the node, None for those that are left to ``ros_arguments`` and to their defaults.
     """
-    try:
+    with needs_ros("replay"):
         from ..ros.replay_process import main
-    except ModuleNotFoundError as missing:
-        if missing.name not in {"rclpy", "wheelset_track_msgs"}:
-            raise
-        raise InputError(
-            f"replay needs ROS 2 Jazzy, and {missing.name} is not there: run make setup, or source the installation"
-        ) from None
     told = {name: value for name, value in given.items() if value is not None}
     if bag is not None:
         told["bag"] = str(bag)
