@@ -45,8 +45,14 @@ def plot_run(run: Survey, path: Path) -> Path:
         draw_stresses(bottom, run, part)
         top.set_xlabel("")
         figure.suptitle(f"{run.info.scenario_name}: {description(run)}", fontsize=11, x=0.01, ha="left")
-        content = io.BytesIO()
-        figure.savefig(content, format="png")
+        return write_png(figure, path)
+
+
+def write_png(figure: Figure, path: Path) -> Path:
+    """Write a figure, whole or not at all; returns ``path``. Raises InputError if that cannot be written."""
+    content = io.BytesIO()
+    # The same figure makes the same file: the program's version does not stand in it.
+    figure.savefig(content, format="png", metadata={"Software": None})
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content.getvalue())

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from matplotlib.figure import SubFigure
 
-from ..errors import InputError
+from ..report.figures import write_png
 from ..scenario import WHEELS, Profiles, Scenario
 from ..simulation.models import described
 from ..structures.section_outline import section_outline
@@ -53,14 +52,7 @@ def write_rows(path: Path, title: str, note: str, rows: Sequence[Row]) -> Path:
         parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)
         for part, row in zip(parts[1:-1, 0], rows, strict=True):
             row.draw(part)
-        content = io.BytesIO()
-        figure.savefig(content, format="png", metadata={"Software": None})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content.getvalue())
-    except OSError as reason:
-        raise InputError(f"{path} cannot be written ({reason.strerror}): give another path with --out") from None
-    return path
+        return write_png(figure, path)
 
 
 def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
@@ -98,11 +90,6 @@ def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
 
 def description(scenario: Scenario) -> str:
     """Wheelset, track, load and speed in a line."""
+    wheelset, track, _ = described(scenario)
     load = f"{scenario.axle_load / 1e3:.1f} kN on both wheels, {3.6 * scenario.speed:.0f} km/h"
-    return f"{_named(scenario.wheelset, 'wheelset')} on {_named(scenario.track, 'track')}, {load}"
-
-
-def _named(source: Any, kind: str) -> str:
-    if isinstance(source, dict):
-        return str(source.get("name", f"a {kind} of its own"))
-    return Path(str(source)).stem
+    return f"{wheelset.name} on {track.name}, {load}"
