@@ -2,25 +2,16 @@ import dataclasses
 import math
 
 import pytest
+from drawn import BREAKOUTS
 from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario import WHEELS, load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.shipped import names
 from wheelset_track_sim.values import SIZE_C, values_of, with_values
 
 BASE = load_scenario("undamaged")
-BREAKOUTS = st.builds(
-    Breakout,
-    on=st.sampled_from(WHEELS),
-    a=st.floats(0.001, 0.2),
-    b=st.floats(0.001, 0.02),
-    h=st.floats(1e-6, 0.01),
-    angle=st.floats(-6.0, 6.0),
-    y=st.floats(-0.03, 0.03),
-)
 
 
 @pytest.mark.parametrize("name", names("scenarios"))

@@ -3,6 +3,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from drawn import BREAKOUTS
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -10,17 +11,6 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.recording.damage import FIELDS, MOST, damage_fields, irregularities_of
 from wheelset_track_sim.recording.definitions import typestore
-from wheelset_track_sim.scenario import WHEELS
-
-BREAKOUTS = st.builds(
-    Breakout,
-    on=st.sampled_from(WHEELS),
-    a=st.floats(0.001, 0.2),
-    b=st.floats(0.001, 0.02),
-    h=st.floats(1e-6, 0.01),
-    angle=st.floats(-6.0, 6.0),
-    y=st.floats(-0.03, 0.03),
-)
 
 
 def item(**changes):

@@ -272,3 +272,45 @@ def short_bag(tmp_path, run_info, run_blocks, make_state):
         numbers = dict.fromkeys(Impact.__dataclass_fields__, 1.0) | {"step": 9, "revision": 0, "wheel": 0}
         writer.write_impacts([Impact(**numbers)])
     return path
+
+
+@pytest.fixture
+def services(client):
+    from service_calls import Services
+
+    return Services(client)
+
+
+@pytest.fixture
+def summaries(client):
+    return client.collect("summary", "LoadSummary")
+
+
+@pytest.fixture
+def forces(client):
+    return client.collect("contact_forces", "ContactForces")
+
+
+@pytest.fixture
+def states(client):
+    return client.collect("state", "SimulationState", latched=True)
+
+
+@pytest.fixture
+def reports(client):
+    """Levels and messages of the simulation on /diagnostics."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    found = []
+
+    def take(message):
+        with client.arrived:
+            found.extend(
+                (item.level[0], item.message)
+                for item in message.status
+                if item.name == "wheelset_track_sim: simulation"
+            )
+            client.arrived.notify_all()
+
+    client.node.create_subscription(DiagnosticArray, "/diagnostics", take, 100)
+    return found

@@ -14,33 +14,11 @@ from wheelset_track_sim.recording import read
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 OK, ERROR = 0, 2
-SUBJECT = "wheelset_track_sim: simulation"
 
 
 def assert_gap_free(chunks):
     for before, after in pairwise(chunks):
         assert after.first_step == before.first_step + before.samples
-
-
-@pytest.fixture
-def summaries(client):
-    return client.collect("summary", "LoadSummary")
-
-
-@pytest.fixture
-def reports(client):
-    """Levels and messages of the simulation on /diagnostics."""
-    from diagnostic_msgs.msg import DiagnosticArray
-
-    found = []
-
-    def take(message):
-        with client.arrived:
-            found.extend((item.level[0], item.message) for item in message.status if item.name == SUBJECT)
-            client.arrived.notify_all()
-
-    client.node.create_subscription(DiagnosticArray, "/diagnostics", take, 100)
-    return found
 
 
 def test_transitions_may_be_repeated(start, client, summaries, reports):

@@ -70,8 +70,7 @@ def test_a_node_under_full_load_falls_behind_says_so_and_recovers(start, client,
 
     with hogs(core):
         crowded = pace(client, summaries)
-        if crowded > alone / 2:
-            pytest.skip(f"others take too little of the core here: {crowded:.1f} of {alone:.1f}")
+        assert crowded < alone / 2  # it is one of eleven on that core
         assert client.set(real_time_factor=round(math.sqrt(alone * crowded), 2)).successful
         began = len(levels)
         client.until(lambda: max(levels[began:], default=OK) >= WARN)

@@ -2,17 +2,17 @@
 
 import math
 import random
-import signal
 import threading
 import time
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
+
+from service_calls import SIZE_B, assert_gap_free, end, first_of, item
 
 from wheelset_track_sim.recording import read
 from wheelset_track_sim.recording.damage import MOST
@@ -23,72 +23,6 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 RUNNING, PAUSED = 0, 1
 SPEED = load_scenario("undamaged").speed
-SIZE_B = {"a": 0.020, "b": 0.016, "h": 0.0015}
-
-
-def assert_gap_free(chunks):
-    for before, after in pairwise(chunks):
-        assert after.first_step == before.first_step + len(before.wheel_1)
-
-
-def first_of(chunks, revision):
-    return next(chunk for chunk in chunks if chunk.revision >= revision)
-
-
-def end(node):
-    assert node.signal(signal.SIGINT) == 0, node.errors
-    assert "Traceback" not in node.errors
-
-
-class Services:
-    """Calls of the node's services."""
-
-    def __init__(self, client):
-        self.client = client
-
-    def trigger(self, name):
-        return self.client.trigger(name)
-
-    def damage(self, *damage):
-        from wheelset_track_msgs.srv import SetTreadDamage
-
-        return self.client.call("set_tread_damage", SetTreadDamage, damage=[item(**fields) for fields in damage])
-
-    def speed(self, speed, acceleration=0.0):
-        from wheelset_track_msgs.srv import SetSpeed
-
-        return self.client.call("set_speed", SetSpeed, speed=speed, acceleration=acceleration)
-
-    def record(self, name=""):
-        from wheelset_track_msgs.srv import StartRecording
-
-        return self.client.call("start_recording", StartRecording, again=False, name=name)
-
-    def pressure(self, wheel, at=0):
-        from wheelset_track_msgs.srv import GetContactPressure
-
-        return self.client.call("get_contact_pressure", GetContactPressure, wheel=wheel, at=at)
-
-
-def item(**fields):
-    from wheelset_track_msgs.msg import TreadDamage
-
-    return TreadDamage(**{"wheel": 1, **SIZE_B, **fields})
-
-
-@pytest.fixture
-def services(client):
-    return Services(client)
-
-
-@pytest.fixture
-def forces(client):
-    return client.collect("contact_forces", "ContactForces")
-
-
-@pytest.fixture
-def states(client):
-    return client.collect("state", "SimulationState", latched=True)
 
 
 def test_damage_comes_into_force_at_the_step_of_the_answer(start, client, services, forces, states):
@@ -336,128 +270,6 @@ def test_reset_begins_a_new_run_with_what_is_in_force(start, client, services, f
         assert digest in (None, recorded.info.digest)
 
 
-def test_recordings_start_split_and_stop_while_it_streams(start, client, services, forces, states, tmp_path):
-    node = start(scenario="damage_wheel_1", record__directory=tmp_path, chunk_duration=0.02)
-    client.until(lambda: len(forces) > 5 and states)
-    assert services.trigger("stop_recording").message == "nothing is being recorded: start a recording first"
-    assert not services.trigger("split_recording").success
-    answer = services.record("day 1/run")
-    assert (answer.success, answer.message, answer.path) == (True, "", str(tmp_path / "day 1" / "run"))
-    first = answer.first_step
-    client.until(lambda: states[-1].recording == answer.path)
-    again = services.record("other")
-    assert (again.success, again.path) == (False, answer.path)
-    assert "is being recorded: stop it first" in again.message
-    files = ["run_0.mcap"]
-    for number in (1, 2):
-        seen = len(forces)
-        client.until(lambda seen=seen: len(forces) > seen + 10)
-        split = services.trigger("split_recording")
-        assert split.success
-        assert split.message == str(tmp_path / "day 1" / "run" / f"run_{number}.mcap")
-        files.append(f"run_{number}.mcap")
-    assert services.trigger("pause").success
-    assert services.trigger("resume").success
-    assert services.speed(30.0).success
-    seen = len(forces)
-    client.until(lambda: len(forces) > seen + 10)
-    stopped = services.trigger("stop_recording")
-    assert (stopped.success, stopped.message) == (True, answer.path)
-    client.until(lambda: states[-1].recording == "")
-    seen = len(forces)
-    client.until(lambda: len(forces) > seen + 3)  # it streams on
-    unnamed = services.record()
-    assert unnamed.success
-    assert Path(unnamed.path).parent == tmp_path
-    seen = len(forces)
-    client.until(lambda: len(forces) > seen + 3)
-    end(node)
-    assert_gap_free(forces)
-
-    recorded = read(tmp_path / "day 1" / "run")
-    assert recorded.steps[0] == first
-    np.testing.assert_array_equal(np.diff(recorded.steps), 1)
-    received = {chunk.first_step: chunk for chunk in forces}
-    part = received[first]
-    np.testing.assert_array_equal(part.wheel_1, recorded.forces[: len(part.wheel_1), 0])
-    assert recorded.states[0].first_step == first
-    assert recorded.states[-1].revision == 1
-    alone = [read(tmp_path / "day 1" / "run" / file) for file in files]
-    assert sum(len(part) for part in alone) == len(recorded)
-    for part in alone:  # each file tells what it holds
-        assert part.states[0].first_step == part.steps[0]
-        assert part.states[0].recording == answer.path
-    assert read(unnamed.path).steps[0] == unnamed.first_step > recorded.steps[-1]
-
-
-def test_bags_over_ros_stay_below_the_folder(start, client, services, forces, tmp_path):
-    (tmp_path / "recordings").mkdir()
-    (tmp_path / "recordings" / "link").symlink_to(tmp_path)
-    node = start(scenario="undamaged", record__directory=tmp_path / "recordings")
-    client.until(lambda: forces)
-    for name in ("../run", "a/../../run", str(tmp_path / "run"), "link/run", ".", "~/../run"):
-        answer = services.record(name)
-        assert (answer.success, answer.path) == (False, "")
-        assert "leads out of" in answer.message
-    assert "200" in services.record("x" * 100_000).message
-    assert "cannot be printed" in services.record("a\nb").message
-    (tmp_path / "recordings" / "taken").mkdir()
-    assert "exists already" in services.record("taken").message
-    assert sorted(path.name for path in tmp_path.rglob("*") if path.suffix == ".mcap") == []
-    assert services.record("run").success
-    end(node)
-
-
-def test_pressure_now_and_at_the_worst_impact(start, client, services, forces, states):
-    summaries = client.collect("summary", "LoadSummary")
-    start(scenario="damage_wheel_1")
-    client.until(lambda: forces and sum(len(chunk.wheel_1) for chunk in forces) > 2 * 2713)
-    assert services.trigger("pause").success  # so that the latest step is the last that arrived
-    client.until(lambda: states and states[-1].status == PAUSED)
-    client.until(lambda: summaries[-1].first_step + summaries[-1].samples == states[-1].first_step)
-    steps = np.concatenate([chunk.first_step + np.arange(len(chunk.wheel_1)) for chunk in forces])
-    of_wheel = {wheel: np.concatenate([getattr(chunk, f"wheel_{wheel}") for chunk in forces]) for wheel in (1, 2)}
-    for wheel in (1, 2):
-        latest = services.pressure(wheel, 0)
-        assert latest.success, latest.message
-        assert latest.step == states[-1].first_step - 1 == steps[-1]
-        assert latest.force == pytest.approx(of_wheel[wheel][-1], rel=1e-6)
-        assert_equilibrium(latest)
-        worst = services.pressure(wheel, 1)
-        assert_equilibrium(worst)
-        assert worst.force >= of_wheel[wheel].max() * (1 - 1e-6)
-        if worst.step >= steps[0]:
-            assert worst.step == steps[of_wheel[wheel].argmax()]
-    impact = services.pressure(1, 1)
-    assert impact.force > 2.5 * 98.1e3
-    assert min(impact.angle, 2 * math.pi - impact.angle) * 0.43175 < 0.060  # the damage is at angle 0
-    assert impact.position == pytest.approx(impact.step * 1e-3, rel=1e-12)
-    assert impact.time == pytest.approx(impact.position / impact.speed, rel=1e-9)
-    assert (impact.header.frame_id, impact.revision) == ("track", 0)
-    assert services.damage().success
-    assert services.trigger("resume").success
-    client.until(lambda: forces[-1].revision == 1)
-    again = services.pressure(1, 1)  # of the treads that were, in a run that has gone on
-    assert (again.step, again.pressure) == (impact.step, impact.pressure)
-    assert services.pressure(1, 0).step > impact.step
-    assert "wheel = 3 is not a wheel" in services.pressure(3).message
-    assert "at = 2 is not known" in services.pressure(1, 2).message
-    assert services.trigger("reset").success
-    seen = len(forces)
-    client.until(lambda: len(forces) > seen + 1)
-    assert services.pressure(1, 1).force < 1.2 * 98.1e3  # since the start of this run
-
-
-def assert_equilibrium(found):
-    pressure = np.reshape(found.pressure, (found.rows, found.columns))
-    assert (pressure >= 0).all()
-    assert pressure.sum() * found.dx * found.dy == pytest.approx(found.force, rel=1e-9)
-    inside = np.argwhere(pressure > 0)
-    x, y = found.x0 + inside[:, 0] * found.dx, found.y0 + inside[:, 1] * found.dy
-    assert np.abs(x).max() < 0.03
-    assert np.abs(y).max() < 0.03
-
-
 def test_parameters_one_by_one_atomically_and_from_a_file_at_the_start(start, client, forces, states, tmp_path):
     from rcl_interfaces.srv import SetParameters
     from rclpy.parameter import Parameter
@@ -497,61 +309,3 @@ def test_parameters_one_by_one_atomically_and_from_a_file_at_the_start(start, cl
     assert client.get("speed", "wheel_2.damage.y") == [32.0, 0.03]
     assert client.set(atomically=True, speed=32.0).reason == ""  # nothing new is no revision
     assert_gap_free(forces)
-
-
-def irregularities(client, text):
-    from wheelset_track_msgs.srv import SetIrregularities
-
-    return client.call("set_irregularities", SetIrregularities, irregularities=text)
-
-
-def test_any_irregularity_changes_live_and_goes_on_without_a_jump(start, client, forces, states, tmp_path):
-    from std_msgs.msg import String
-
-    (tmp_path / "below").mkdir()
-    for path in (tmp_path / "outside.csv", tmp_path / "below" / "tread.csv"):
-        path.write_text("".join(f"{angle},{0.02 * math.cos(math.radians(angle))}\n" for angle in range(360)))
-    start(scenario="damage_wheel_1", profiles__directory=str(tmp_path / "below"))
-    client.until(lambda: forces and states)
-    kinds = (
-        "[{type: breakout, on: wheel_2, a: 0.02, b: 0.01, h: 0.001, angle: 2.0},"
-        " {type: squat, on: rail_1, position: 30.0, a: 0.02, b: 0.01, h: 0.0005},"
-        " {type: polygon, on: wheel_1, harmonics: [{order: 3, amplitude: 1.0e-4}]}]"
-    )
-    answer = irregularities(client, kinds)
-    assert (answer.success, answer.message, answer.revision) == (True, "", 1)
-    client.until(lambda: forces[-1].revision == 1)
-    assert first_of(forces, 1).first_step == answer.step == states[-1].first_step
-    assert [(found.wheel, found.angle) for found in states[-1].damage] == [(2, 2.0)]
-    assert [each.type for each in scenario_from(parse(states[-1].scenario, "state")).irregularities] == [
-        "breakout",
-        "squat",
-        "polygon",
-    ]
-    assert client.get("wheel_1.damage.h", "wheel_2.damage.h") == [0.0, 0.001]
-    # what cannot be used is refused whole, by name
-    for text, words in (
-        ("[{type: flat, on: wheel_1, length: 9.0}]", "irregularities.0.length = 9 m"),
-        ("[{type: crater, on: wheel_1}]", "irregularities.0.type = 'crater'"),
-        ("[&a [1], *a]", "alias"),
-        ("[" * 200_000, "nested more than 20 times"),
-        ("[{type: profile, on: wheel_1, file: ../outside.csv, along: deg, height: mm}]", "leads out of"),
-        (f"[{{type: profile, on: wheel_1, file: {tmp_path}/outside.csv, along: deg, height: mm}}]", "leads out of"),
-        ("#" * (256 * 1024 + 1), "give at most 262144"),
-    ):
-        refused = irregularities(client, text)
-        assert (refused.success, refused.revision) == (False, 1), text[:60]
-        assert words in refused.message
-        assert "\n" not in refused.message
-    # a topic does the same; a file below the folder becomes part of the scenario
-    publisher = client.node.create_publisher(String, f"{client.name}/cmd/irregularities", 1)
-    client.until(lambda: publisher.get_subscription_count() == 1)
-    publisher.publish(String(data="[{type: profile, on: wheel_1, file: tread.csv, along: deg, height: mm}]"))
-    client.until(lambda: forces[-1].revision == 2)
-    assert "359.0 0.0199" in states[-1].scenario
-    # tread damage replaces what is on the treads
-    assert client.set(wheel_2__damage__h=0.0005).successful
-    client.until(lambda: forces[-1].revision >= 3)
-    assert_gap_free(forces)
-    before, after = forces[-2], forces[-1]
-    assert all(0.0 <= value < 4e5 for chunk in (before, after) for value in chunk.wheel_1)
