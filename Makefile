@@ -2,12 +2,13 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check lint validation gallery bench clean distclean
+.PHONY: help setup demo test check search lint validation gallery bench clean distclean
 
 help:
 	@echo "make demo    set up all that is missing, simulate the damaged wheel, show picture and table"
 	@echo "make test    set up all that is missing, run all tests"
 	@echo "make check   lint, types and the fast tests"
+	@echo "make search  the property tests alone, with many random examples"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
 	@echo "make gallery     draw all shipped scenarios and what they do for docs/gallery.md: ten minutes"
 	@echo "make bench   measure speed and memory, print tables, rewrite docs/performance.md: a quarter of an hour"
@@ -25,7 +26,11 @@ test:
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 check: lint
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not ros"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not ros" --hypothesis-profile quick
+
+search:
+	@$(PYTHON) tools/setup_env.py test
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "hypothesis" --hypothesis-profile search
 
 validation:
 	@$(PYTHON) tools/setup_env.py test

@@ -12,9 +12,12 @@ from hypothesis import settings
 from wheelset_track_sim.recording import BagWriter, RunInfo, State
 from wheelset_track_sim.simulation.block import SampleBlock
 
-# The first example may compile a kernel, and machines are shared: no test is about seconds.
-settings.register_profile("shared machine", deadline=None)
-settings.load_profile("shared machine")
+# The first example may compile a kernel, and machines are shared: no test is about seconds. All tests together try the
+# same examples every time, so that what passes passes again; `make check` tries others each time, `make search` many.
+settings.register_profile("same", deadline=None, derandomize=True)
+settings.register_profile("quick", deadline=None, max_examples=20)
+settings.register_profile("search", deadline=None, max_examples=2000)
+settings.load_profile("same")
 
 DX = 1e-3
 NODES = ("A1", "B1", "C1")

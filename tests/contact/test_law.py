@@ -65,6 +65,7 @@ def assert_same(one, other):
 positions = st.one_of(st.tuples(st.just(0), st.integers(-70, 70)), st.tuples(st.just(1), st.integers(AT - 60, AT + 60)))
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=150)
 @given(positions, st.floats(0, 0.98 * TABLE_FORCE), st.sampled_from([0.0, 1e-10, 1e-9]))
 def test_tables_are_the_solver_without_its_cost(law, plain, where, force, compliance):
@@ -226,6 +227,7 @@ def test_chunks_do_not_change_a_bit():
         assert (run(chunk) == whole).all()
 
 
+@pytest.mark.slow
 def test_nan_stays_nan_and_python_raises(law):
     assert np.isnan(contact_force(law, 0, 0, 0, np.nan, 0.0))
     assert np.isnan(contact_force(law, 0, 0, 0, 1e-3, np.nan))

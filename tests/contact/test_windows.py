@@ -15,6 +15,8 @@ from wheelset_track_sim.irregularities import (
     Squat,
 )
 
+pytestmark = pytest.mark.slow
+
 DX, N_C = 0.001, 2713
 GEOMETRY = ContactGeometry()
 

@@ -51,6 +51,7 @@ def synthetic(
     return Measurement(Path("synthetic"), axis, at - lag, dict(zip(names, found.T, strict=True)))  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(
     rate=st.floats(2e3, 5e4),

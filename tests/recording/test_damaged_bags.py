@@ -11,6 +11,8 @@ from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.recording import Bag, BagWriter, Damage, Gap, State
 from wheelset_track_sim.recording.run_info import RunInfo
 
+pytestmark = pytest.mark.slow
+
 CHUNKS = 12
 LENGTH = 300
 

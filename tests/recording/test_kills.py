@@ -20,6 +20,8 @@ from wheelset_track_sim.recording.recover import recover
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
+pytestmark = pytest.mark.slow
+
 PATIENCE = 240.0
 
 

@@ -124,6 +124,7 @@ def test_a_path_that_cannot_be_written(make_survey, tmp_path):
         write_report(make_survey(length=2.7), tmp_path / "file" / "out.html")
 
 
+@pytest.mark.slow
 def test_a_long_run_makes_a_small_page(make_survey, tmp_path):
     spikes = [(1.8 + 2.713 * turn, 250e3 + 100.0 * turn) for turn in range(400)]
     run = make_survey("damage_wheel_1", length=1200.0, spikes=spikes)

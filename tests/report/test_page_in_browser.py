@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 pytest.importorskip("bokeh", reason="the page needs the extra report")
+
+pytestmark = pytest.mark.slow
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser: make test brings it")
 
 from wheelset_track_sim.cli import main  # noqa: E402

@@ -143,6 +143,7 @@ def test_a_run_that_cannot_take_what_was_accepted_is_not_attached(revisions, sim
     assert simulator.scenario.speed == 30.0
 
 
+@pytest.mark.slow
 def test_two_at_once_end_in_the_order_of_their_revisions(revisions, simulator):
     revisions.attach(simulator)
     answers = {}

@@ -15,6 +15,8 @@ from wheelset_track_sim.simulation.fleet import Fleet, ModelPool
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 
+pytestmark = pytest.mark.slow
+
 SCENARIOS = [
     load_scenario("damage_wheel_1"),
     load_scenario("undamaged", ["axle_load=250000.0"]),

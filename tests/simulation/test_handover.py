@@ -13,6 +13,8 @@ from wheelset_track_sim.simulation.loading import Loading
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def models():

@@ -11,6 +11,8 @@ from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.structures.track import load_track
 from wheelset_track_sim.structures.track_line import track_line
 
+pytestmark = pytest.mark.slow
+
 STATIC = 98.1e3
 
 

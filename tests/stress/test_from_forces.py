@@ -13,6 +13,8 @@ from wheelset_track_sim.structures.reduced_wheelset import ReducedWheelset
 from wheelset_track_sim.structures.wheelset import load_wheelset
 from wheelset_track_sim.structures.wheelset_reduction import reduced_wheelset
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def wheelset() -> ReducedWheelset:

@@ -5,6 +5,8 @@ from wheelset_track_sim.structures.track import load_track
 from wheelset_track_sim.structures.track_balance import ORDER, MovingTrack, balanced, gramian, moving_track
 from wheelset_track_sim.structures.track_ring import track_ring
 
+pytestmark = pytest.mark.slow
+
 DX = 5e-3
 
 

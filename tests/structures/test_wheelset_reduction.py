@@ -24,6 +24,8 @@ from wheelset_track_sim.structures.wheelset_reduction import (
     reduced_wheelset,
 )
 
+pytestmark = pytest.mark.slow
+
 WHEEL_LOAD = 98.1e3  # N
 
 

@@ -10,6 +10,8 @@ import pytest
 
 from wheelset_track_sim.cli import main
 
+pytestmark = pytest.mark.slow
+
 distributed = pytest.importorskip("distributed")
 
 EVALUATE = "wheelset_track_sim.studies.evaluate"

@@ -19,6 +19,8 @@ from wheelset_track_sim.studies.evaluate import evaluate, program
 from wheelset_track_sim.studies.store import Store
 from wheelset_track_sim.studies.study import load_study
 
+pytestmark = pytest.mark.slow
+
 TOO_DEEP = [{"type": "breakout", "on": "wheel_1", "a": 0.03, "b": 0.024, "h": 0.01}] * 100
 
 

@@ -27,6 +27,8 @@ from wheelset_track_sim.studies import (
     wheelset_receptances,
 )
 
+pytestmark = pytest.mark.slow
+
 SCENARIO = load_scenario("undamaged")
 FIGURES = {
     wheelset_receptances: (

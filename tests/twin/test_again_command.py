@@ -7,6 +7,8 @@ import pytest
 
 from wheelset_track_sim.cli import main
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -20,6 +20,8 @@ from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.summary import summarise
 from wheelset_track_sim.twin import simulate_again
 
+pytestmark = pytest.mark.slow
+
 SHAPES = ((0.004, 0.008, 0.0005), (0.006, 0.012, 0.001), (0.006, 0.012, 0.0002))
 TURN = 2713
 

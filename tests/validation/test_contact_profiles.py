@@ -22,6 +22,8 @@ from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.surfaces import contact_geometry
 from wheelset_track_sim.structures.wheelset import load_wheelset
 
+pytestmark = pytest.mark.slow
+
 DX, N_C = 1e-3, 2713
 X40 = load_wheelset("x40")
 DEFECTS = (Breakout("wheel_1", 0.005, 0.004, 0.0002, y=-0.008), Breakout("wheel_2", 0.004, 0.004, 0.0001, y=-0.008))

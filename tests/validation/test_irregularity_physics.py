@@ -23,6 +23,8 @@ from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.structures.bloch import receptance
 
+pytestmark = pytest.mark.slow
+
 N_C, DX = 2713, 1e-3
 GEOMETRY = ContactGeometry(wheel_radius=N_C * DX / (2 * np.pi))
 STATIC = 98.1e3

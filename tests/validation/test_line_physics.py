@@ -15,6 +15,8 @@ from wheelset_track_sim.structures.supports import along
 from wheelset_track_sim.structures.track import Track, load_track
 from wheelset_track_sim.structures.track_line import track_line
 
+pytestmark = pytest.mark.slow
+
 DX, SPEED = 1e-3, 100 / 3.6
 DT = DX / SPEED
 VARIED = {

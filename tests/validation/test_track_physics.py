@@ -10,6 +10,8 @@ from wheelset_track_sim.structures import bloch, track_fe
 from wheelset_track_sim.structures.bay import half_sleeper
 from wheelset_track_sim.structures.track import HALVES, Track, load_track
 
+pytestmark = pytest.mark.slow
+
 TRACK = load_track("ballasted_60e1")
 
 

@@ -10,6 +10,8 @@ from wheelset_track_sim.structures import bloch
 from wheelset_track_sim.structures.track import HALVES, load_track
 from wheelset_track_sim.structures.track_ring import HalfRing, TrackRing, track_ring
 
+pytestmark = pytest.mark.slow
+
 TRACK = load_track("ballasted_60e1")
 DX, SPEED, LOAD = 1e-3, 100 / 3.6, 98.1e3
 
