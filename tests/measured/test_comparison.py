@@ -67,7 +67,7 @@ def test_lag_and_gain_are_found_again(
     assert abs(found.lag - lag) < 6 * found.uncertainty + 1e-3 * found.step + 1e-12 * abs(lag)
     assert found.uncertainty < 0.2 * found.step
     for each in found.measures:
-        assert each.gain == pytest.approx(gain, rel=0.01 + 0.15 * noise)
+        assert each.gain == pytest.approx(gain, rel=0.01 + 0.4 * noise)  # six standard deviations
         assert each.correlation > 0.997 - 0.7 * noise
 
 
