@@ -4,6 +4,7 @@ import json
 import pytest
 
 from wheelset_track_sim.cli import main
+from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.recording import BagWriter, read
 from wheelset_track_sim.recording.bag_copy import BagCopy
 from wheelset_track_sim.recording.inputs import Input
@@ -12,6 +13,22 @@ from wheelset_track_sim.recording.mcap_source import McapSource
 from wheelset_track_sim.recording.overview import overview
 from wheelset_track_sim.recording.revisions import Difference, differences, revisions
 from wheelset_track_sim.scenario import load_scenario
+
+
+def copied(path, *groups):
+    """A bag of messages, each group of which is a chunk."""
+    copy = BagCopy(path)
+    for group in groups:
+        copy.write(group, None)
+    copy.finish()
+    return path
+
+
+def stored(path):
+    """Messages of a bag."""
+    with path.open("rb") as stream:
+        source = McapSource(stream, path.name)
+        return [message for chunk in source.scan() if isinstance(chunk, Chunk) for message in source.messages(chunk)]
 
 
 @pytest.fixture
@@ -49,15 +66,10 @@ def test_it_is_what_the_samples_say(bag, run_info):
 
 
 def test_a_bag_without_summaries_is_looked_through(bag, tmp_path):
-    copy = BagCopy(tmp_path / "samples.mcap")
-    for file in sorted(bag.glob("*.mcap")):
-        with file.open("rb") as stream:
-            source = McapSource(stream, file.name)
-            for chunk in source.scan():
-                if isinstance(chunk, Chunk):
-                    copy.write([m for m in source.messages(chunk) if "Summary" not in m.schema.name], None)
-    copy.finish()
-    found = overview(tmp_path / "samples.mcap")
+    messages = [message for file in sorted(bag.glob("*.mcap")) for message in stored(file)]
+    found = overview(
+        copied(tmp_path / "samples.mcap", [message for message in messages if "Summary" not in message.schema.name])
+    )
     assert found.summary == overview(bag).summary
     assert found.steps == overview(bag).steps
     assert found.info.scenario_name == "undamaged"
@@ -69,6 +81,50 @@ def test_gaps_and_missing_files_are_told(bag, run_blocks):
     assert not found.complete
     assert [str(loss) for loss in found.losses] == ["run_0.mcap: it is missing"]
     assert found.first_step == 1390
+
+
+@pytest.mark.parametrize("summaries", [True, False])
+def test_a_gap_is_told_once_with_summaries_or_without(tmp_path, run_info, run_blocks, summaries):
+    path = tmp_path / "run.mcap"
+    with BagWriter(path, run_info, start_ns=0) as writer:
+        for block in (run_blocks[0], run_blocks[2]):
+            writer.write(block)
+    messages = [message for message in stored(path) if summaries or "Summary" not in message.schema.name]
+    found = overview(copied(tmp_path / "gap.mcap", messages))
+    assert [str(loss) for loss in found.losses] == ["steps 1389 to 1389 are missing (3.6e-05 s)"]
+    assert found.steps == 1389 + 700
+
+
+@pytest.mark.parametrize("summaries", [True, False])
+def test_steps_that_come_again_count_once_and_are_told(bag, tmp_path, summaries):
+    """As when ``ros2 bag record`` goes on while the node is reset."""
+    messages = [m for m in stored(bag / "run_0.mcap") if summaries or "Summary" not in m.schema.name]
+    found = overview(copied(tmp_path / "twice.mcap", messages, messages))
+    assert (found.steps, found.first_step) == (1390, 0)
+    assert not found.complete
+    again = "steps from 0 on come again after step 1389, and are left out"
+    assert str(found.losses[0]) == f"twice.mcap: {again}"
+
+
+def test_a_bag_of_two_wheelsets_is_refused(tmp_path, run_info, run_blocks, make_state, capsys):
+    """Who takes the forces of one for those of the other tells wrong numbers."""
+    messages = []
+    for wheelset in ("wheelset_1", "wheelset_2"):
+        path = tmp_path / f"{wheelset}.mcap"
+        with BagWriter(path, run_info, start_ns=0, prefix=f"/{wheelset}") as writer:
+            writer.write_state(make_state(run_blocks[0]))
+            writer.write(run_blocks[0])
+        messages += stored(path)
+    both = copied(tmp_path / "both.mcap", sorted(messages, key=lambda message: message.log_time))
+    refusal = r"both.mcap holds 2 runs \(/wheelset_1/contact_forces, /wheelset_2/contact_forces\): record each"
+    with pytest.raises(RecordingError, match=refusal):
+        read(both)
+    content = both.read_bytes()
+    both.write_bytes(content[: len(content) - 400])  # without its index
+    with pytest.raises(RecordingError, match=refusal):
+        read(both, lost=[].append)
+    assert main(["info", str(both)]) == 1
+    assert "both.mcap holds 2 runs" in capsys.readouterr().err
 
 
 def test_the_command_prints_one_json_object(bag, capsys):

@@ -119,7 +119,7 @@ class Bag:
         if gap := Gap.between(end, end_time, block.first_step, block.time):
             self.lost(gap)
             return True
-        self._tell([f"steps from {block.first_step} on come again after step {end - 1}, and are left out"])
+        self.lost(Damage.again(self.path.name, block.first_step, end))
         return False
 
     def _stress_topics(self, nodes: Sequence[str] | None) -> list[str]:

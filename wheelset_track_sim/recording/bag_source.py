@@ -107,13 +107,21 @@ class BagSource:
                     yield told
 
     def stored(self, kinds: Sequence[str], window: Window = EVERYTHING) -> Iterator[Stored]:
-        """All messages of chunks that may hold some of ``kinds`` in the window; every message if samples are wanted."""
+        """All messages of chunks that may hold some of ``kinds`` in the window; every message if samples are wanted.
+
+        Raises RecordingError for a bag of several runs: nothing but its topic tells whose a message is.
+        """
+        runs = [*self.quiet.topics(FORCES)]
+        self._require_one(runs)
         for file, source, chunk in self._chunks(window, kinds):
             for item in source.messages(chunk):
                 if isinstance(item, Damage):
                     self._damaged(file, item)
-                else:
-                    yield Stored(file, chunk, item)
+                    continue
+                if item.channel.topic not in runs and kind_of(item.schema) == FORCES:
+                    runs.append(item.channel.topic)
+                    self._require_one(runs)
+                yield Stored(file, chunk, item)
 
     def told(self, stored: Stored) -> Told | None:
         """What a message of this package tells; None if it is not what its definition says, which is damage."""
@@ -204,6 +212,13 @@ class BagSource:
             ) from None
         except DAMAGE as reason:
             raise _incomplete(file, one_line(reason)) from reason
+
+    def _require_one(self, runs: Sequence[str]) -> None:
+        if len(runs) > 1:
+            raise RecordingError(
+                f"{self.path} holds {len(runs)} runs ({', '.join(runs)}): record each into a bag of its own, or take "
+                "one out by its topics with ros2 bag convert"
+            )
 
     def _damaged(self, file: Path, damage: Damage) -> None:
         if self.lost is None:

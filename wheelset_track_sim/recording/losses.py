@@ -16,6 +16,11 @@ class Damage:
     """First byte after it; ``place`` if no bytes are lost."""
     reason: str
 
+    @classmethod
+    def again(cls, file: str, step: int, end_step: int) -> Damage:
+        """Samples from a step on that are in the bag already, up to before ``end_step``."""
+        return cls(file, 0, 0, f"steps from {step} on come again after step {end_step - 1}, and are left out")
+
     @property
     def what(self) -> str:
         """Without the file."""

@@ -13,7 +13,7 @@ from ..simulation.summary import NodeStress, Summary, WheelLoad, combine, summar
 from .bag_reader import Bag
 from .bag_source import FORCES, BagSource, kind_of
 from .inputs import Input
-from .losses import Gap, Loss
+from .losses import Damage, Gap, Loss
 from .messages import start_of, state_of
 from .revisions import Revision, revisions
 from .run_info import RunInfo
@@ -75,17 +75,20 @@ class _Piece(NamedTuple):
 class _Total:
     """Pieces put together."""
 
-    def __init__(self, losses: list[Loss]) -> None:
+    def __init__(self, bag: str, losses: list[Loss]) -> None:
         self.first: _Piece | None = None
         self.steps, self.duration = 0, 0.0
         self.summary: Summary | None = None
-        self._losses = losses
+        self._bag, self._losses = bag, losses
         self._end = 0, 0.0
 
     def add(self, piece: _Piece) -> None:
         length = piece.summary.samples
         if self.first is None:
             self.first = piece
+        elif piece.first_step < self._end[0]:
+            self._losses.append(Damage.again(self._bag, piece.first_step, self._end[0]))
+            return
         elif gap := Gap.between(*self._end, piece.first_step, piece.time):
             self._losses.append(gap)
         self.steps += length
@@ -102,7 +105,7 @@ def overview(path: str | Path) -> Overview:
     losses: list[Loss] = []
     source = BagSource(Path(path), losses.append)
     source.tell_missing()
-    total = _Total(losses)
+    total = _Total(source.path.name, losses)
     counts: Counter[str] = Counter()
     types: dict[str, str] = {}
     impacts = [0, 0]
@@ -125,7 +128,7 @@ def overview(path: str | Path) -> Overview:
             inputs.append(Input(state.revision, state.first_step, state.scenario))
     bag = Bag(source.path, losses.append)
     if total.first is None:  # nobody recorded summaries
-        for piece in _pieces(Bag(source.path, lambda loss: losses.append(loss) if isinstance(loss, Gap) else None)):
+        for piece in _pieces(bag):
             total.add(piece)
     first = total.first
     return Overview(
@@ -141,7 +144,7 @@ def overview(path: str | Path) -> Overview:
         summary=total.summary,
         revisions=revisions([*bag.info.inputs, *inputs]),
         impacts=(impacts[0], impacts[1]),
-        losses=tuple(losses),
+        losses=tuple(dict.fromkeys(losses)),  # a bag that is gone through twice tells some twice
     )
 
 
