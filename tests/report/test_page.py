@@ -1,17 +1,22 @@
 """What the page says, without a browser."""
 
+import dataclasses
+import errno
 import re
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.recording import BagWriter
 
 pytest.importorskip("bokeh", reason="the page needs the extra report")
 
 from wheelset_track_sim.report.page import write_report
+from wheelset_track_sim.report.whole_file import write_whole
 
 
 class Page(HTMLParser):
@@ -122,6 +127,53 @@ def test_a_path_that_cannot_be_written(make_survey, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         write_report(make_survey(length=2.7), tmp_path / "file" / "out.html")
+
+
+def test_a_page_that_cannot_be_finished_leaves_the_old_one(tmp_path, monkeypatch):
+    page = write_whole(tmp_path / "new" / "page.html", b"old")
+
+    def full(path, content):
+        with path.open("wb") as file:
+            file.write(content[:2])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match=r"page.html cannot be written \(No space left on device\): give another path"):
+        write_whole(page, b"another")
+    assert page.read_bytes() == b"old"
+    assert [*page.parent.iterdir()] == [page]
+
+
+@pytest.mark.parametrize("name", ["run.mcap", "page.png", "page"])
+def test_a_report_goes_into_a_page_and_nowhere_else(make_bag, tmp_path, capsys, name):
+    bag = make_bag(tmp_path / "run.mcap", "undamaged", 1.0, ())
+    content = bag.read_bytes()
+    assert main(["report", str(bag), "--out", str(tmp_path / name)]) == 2
+    assert f"{name} is no page: give a name that ends in .html" in capsys.readouterr().err
+    assert bag.read_bytes() == content
+    assert [*tmp_path.iterdir()] == [bag]
+
+
+def test_a_page_is_beside_its_bag_wherever_one_stands(make_bag, tmp_path, monkeypatch):
+    bag = make_bag(tmp_path / "run.1", "undamaged", 1.0, ())
+    monkeypatch.chdir(bag)
+    assert main(["report", "."]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"run.1", "run.1.html", "run.1.png"}
+
+
+@pytest.mark.parametrize("command", ["info", "report", "recover"])
+def test_names_from_a_bag_are_shown_as_they_are(tmp_path, run_info, run_blocks, make_state, capsys, command):
+    """What looks like the markup of a terminal or a formula is neither."""
+    name = r"bogie [/b] $\bogie$ :train:"
+    info = dataclasses.replace(run_info, scenario_name=name)
+    bag = tmp_path / "run[old].mcap"
+    with BagWriter(bag, info, start_ns=0) as writer:
+        writer.write_state(dataclasses.replace(make_state(run_blocks[0]), scenario_name=name))
+        writer.write(run_blocks[0])
+    assert main([command, str(bag)]) == 0
+    out = capsys.readouterr().out
+    assert "run[old]" in out
+    assert name in out or command == "recover"
 
 
 @pytest.mark.slow

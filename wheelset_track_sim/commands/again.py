@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from ..scenario import WHEELS
 from ..simulation.summary import Summary
 from ..twin import Again, simulate_again
 from ..twin.differences import Difference, Place
+from .console import terminal
 from .progress import shown
 
 
@@ -24,7 +24,7 @@ def again(bag: Path, settings: Sequence[str], out: Path | None, *, json: bool) -
     """
     with shown() as progress:
         found = simulate_again(bag, settings, out, progress)
-    console = Console()
+    console = terminal()
     if json:
         text = json_text.dumps(as_mapping(found))
         console.print_json(text) if console.is_terminal else print(text)  # noqa: T201

@@ -8,19 +8,19 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from ..measured import Comparison, Matching, compare
 from ..measured.reading import read_measurement
 from ..measured.rows import impact_rows, remarks, rows
 from ..recording import Bag
+from .console import terminal
 
 
 def compared(bag: Path, measured: Path, matching: Matching, *, json: bool) -> int:
     """Compare a bag with a measurement and print how well they agree; returns the exit status."""
     found = compare(Bag(bag).blocks(), read_measurement(measured), matching)
-    console = Console()
+    console = terminal()
     if json:
         text = json_text.dumps(as_mapping(found))
         console.print_json(text) if console.is_terminal else print(text)  # noqa: T201

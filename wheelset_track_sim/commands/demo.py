@@ -8,11 +8,10 @@ import sys
 import time
 from pathlib import Path
 
-from rich.console import Console
-
 from ..errors import WheelsetTrackError
 from ..scenario import load_scenario
 from ..simulation.simulator import Simulator
+from .console import terminal
 from .progress import shown
 from .report import report
 
@@ -25,7 +24,7 @@ PATIENCE = 120.0
 
 def demo(out: Path) -> int:
     """Build the models, stream and record through the node, draw and print; returns the exit status."""
-    console = Console()
+    console = terminal()
     bag = out / time.strftime("run_%Y%m%d_%H%M%S")
     with shown() as progress:
         Simulator(load_scenario(SCENARIO), progress)  # the node then finds the models in the cache

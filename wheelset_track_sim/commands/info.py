@@ -8,12 +8,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from ..recording.losses import Gap
 from ..recording.overview import Overview, overview
 from ..scenario import WHEELS
+from .console import terminal
 
 LONGEST = 60
 """Characters of a value that a table shows."""
@@ -22,7 +22,7 @@ LONGEST = 60
 def info(bag: Path, *, json: bool) -> int:
     """Print what is in a bag; returns the exit status."""
     found = overview(bag)
-    console = Console()
+    console = terminal()
     if json:
         text = json_text.dumps(as_mapping(found))
         console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
@@ -30,7 +30,7 @@ def info(bag: Path, *, json: bool) -> int:
     for table in tables(found):
         console.print(table)
     for loss in found.losses:
-        console.print(f"lost: {loss}", highlight=False, soft_wrap=True, markup=False)
+        console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
     return 0
 
 

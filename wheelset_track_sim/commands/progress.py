@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from .console import terminal
 
 
 @contextmanager
 def shown() -> Iterator[Callable[[str, float], None]]:
     """Callback ``(stage, fraction)`` that draws one bar a stage; on a stream that is no terminal, one line a stage."""
-    console = Console(stderr=True)
+    console = terminal(stderr=True)
     if not console.is_terminal:
         finished: set[str] = set()
 
@@ -23,7 +24,7 @@ def shown() -> Iterator[Callable[[str, float], None]]:
 
         yield line
         return
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console) as bars:
         tasks = {}
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
 from ..recording.recover import Recovered, recover
+from .console import terminal
 
 
 def run_recover(bag: Path, out: Path | None) -> int:
     """Recover a bag and print what was saved and lost; returns the exit status."""
     found = recover(bag, out)
-    console = Console()
+    console = terminal()
     console.print(table(found))
     for loss in found.losses:
-        console.print(f"lost: {loss}", highlight=False, soft_wrap=True, markup=False)
-    console.print(f"bag   {found.path}", highlight=False, soft_wrap=True, markup=False)
+        console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
+    console.print(f"bag   {found.path}", highlight=False, soft_wrap=True)
     return 0
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rich.console import Console
-
 from ..errors import InputError
 from ..measured import Matching, compare
 from ..measured.reading import read_measurement
 from ..recording import Bag
 from ..report import plot_run, summary_table, survey
 from ..simulation.impacts import ImpactSettings
+from .console import terminal
 
 
 def report(
@@ -24,26 +23,33 @@ def report(
     """Write the page and the picture, print the table; returns the exit status.
 
     ``measured`` is a file of measured loads or stresses, which the page shows beside the run with its zero at
-    ``lag``, about.
+    ``lag``, about. Without ``out`` the page is beside the bag.
     """
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"--out {out} is no page: give a name that ends in .html")
     try:
         from ..report.page import write_report
     except ModuleNotFoundError as missing:
         if not (missing.name or "").startswith("bokeh"):
             raise
         raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
-    page = out or bag.with_suffix(".html")
+    page = out or _beside(bag)
     run = survey(bag, settings)
     comparison = None
     if measured is not None:
         matching = Matching(lag=lag, threshold=(settings or ImpactSettings()).threshold)
         comparison = compare(Bag(bag).blocks(), read_measurement(measured), matching)
-    console = Console()
+    console = terminal()
     console.print(summary_table(run))
     for loss in run.losses:
-        console.print(f"lost: {loss}", highlight=False, soft_wrap=True, markup=False)
+        console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
     picture = page.with_suffix(".png")
     plot_run(run, picture)
     write_report(run, page, comparison)
     console.print(f"picture {picture}\npage    {page}", highlight=False, soft_wrap=True)
     return 0
+
+
+def _beside(bag: Path) -> Path:
+    bag = bag if bag.name not in ("", "..") else bag.resolve()
+    return bag.with_name(f"{bag.name.removesuffix('.mcap')}.html")

@@ -10,7 +10,6 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from ..errors import InputError
@@ -20,6 +19,7 @@ from ..scenario import WHEELS, load_scenario
 from ..simulation.impacts import ImpactSettings
 from ..simulation.simulator import Simulator
 from ..simulation.summary import Summary, combine, summarise
+from .console import terminal
 from .progress import shown
 
 CHUNK = 1389
@@ -71,7 +71,7 @@ def run(
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall)
     result |= {"scenario": what.name, "digest": simulator.digest}
-    console = Console()
+    console = terminal()
     if json:
         console.print_json(json_text.dumps(result)) if console.is_terminal else print(json_text.dumps(result))  # noqa: T201
     else:

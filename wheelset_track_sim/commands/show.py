@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
-
 from ..scenario import load_scenario
 from ..show import show_scenario
+from .console import terminal
 from .progress import shown
 
 
@@ -17,5 +16,5 @@ def show(name: str, changes: Sequence[str], out: Path | None) -> int:
     scenario = load_scenario(name, changes)
     with shown() as progress:
         path = show_scenario(scenario, out or Path(f"{scenario.name}.png"), progress)
-    Console().print(f"picture {path}", highlight=False, soft_wrap=True)
+    terminal().print(f"picture {path}", highlight=False, soft_wrap=True)
     return 0

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from ..cache import digest
@@ -22,6 +21,7 @@ from ..schema import check, quantity
 from ..simulation.block import COMPONENTS, SampleBlock
 from ..stress.from_forces import stresses_from_forces
 from ..structures.wheelsets import load_any_wheelset, reduce_wheelset
+from .console import terminal
 from .progress import shown
 
 CHUNK = 1000
@@ -63,7 +63,7 @@ def stress(
     }
     if out is not None:
         result["out"] = str(out)
-    console = Console()
+    console = terminal()
     if json:
         text = json_text.dumps(result)
         console.print_json(text) if console.is_terminal else print(text)  # noqa: T201

@@ -19,6 +19,7 @@ from ..studies.results import Results
 from ..studies.study import Run, Study, load_study
 from ..studies.summary_page import write_summary
 from ..studies.tables import Table, tables, write_csv
+from .console import terminal
 from .progress import shown
 
 ALL = "all"
@@ -44,7 +45,7 @@ def study(name: str, changes: Sequence[str], out: Path | None, place: Place) -> 
     """
     names = shipped.names("studies") if name == ALL else [name]
     tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
-    console = Console()
+    console = terminal()
     failed = sum(_carry_out(each, place, console) for each in tasks)
     if failed:
         raise WheelsetTrackError(f"{failed} run{'s' * (failed > 1)} failed, as told above; the others are kept")

@@ -13,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..errors import InputError
 from .samples import Samples
 from .survey import Survey
 from .table import description
+from .whole_file import write_whole
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""
@@ -44,7 +44,8 @@ def plot_run(run: Survey, path: Path) -> Path:
         draw_forces(top, run, part)
         draw_stresses(bottom, run, part)
         top.set_xlabel("")
-        figure.suptitle(f"{run.info.scenario_name}: {description(run)}", fontsize=11, x=0.01, ha="left")
+        title = f"{run.info.scenario_name}: {description(run)}"
+        figure.suptitle(title, fontsize=11, x=0.01, ha="left", parse_math=False)
         return write_png(figure, path)
 
 
@@ -53,12 +54,7 @@ def write_png(figure: Figure, path: Path) -> Path:
     content = io.BytesIO()
     # The same figure makes the same file: the program's version does not stand in it.
     figure.savefig(content, format="png", metadata={"Software": None})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content.getvalue())
-    except OSError as reason:
-        raise InputError(f"{path} cannot be written ({reason.strerror}): give another path with --out") from None
-    return path
+    return write_whole(path, content.getvalue())
 
 
 def detail(run: Survey) -> Samples:

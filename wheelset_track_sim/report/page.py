@@ -19,6 +19,7 @@ from .assets import STYLE, asset
 from .contact_map import ContactMap, contact_map
 from .survey import Survey
 from .table import description
+from .whole_file import write_whole
 
 SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'; img-src data:"
 """The browser itself sees to it that the page asks no one for anything."""
@@ -54,12 +55,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 </body>
 </html>
 """
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.write_text(page, encoding="utf-8")
-    except OSError as reason:
-        raise InputError(f"{out} cannot be written ({reason.strerror}): give another path with --out") from None
-    return out
+    return write_whole(out, page.encode())
 
 
 def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
