@@ -54,6 +54,15 @@ def test_an_angle_turns_it_and_units_are_those_given(tmp_path):
     assert heights_of(on_wheel(file, along="mm", height="um")) == pytest.approx(heights_of(profile), abs=1e-9)
 
 
+@pytest.mark.parametrize("length", [1.4, 2713.0])
+def test_a_length_that_is_no_turn_of_the_wheel_is_refused(tmp_path, length):
+    along = length * np.arange(1000) / 1000
+    profile = on_wheel(csv(tmp_path / "tread.csv", zip(along, 1e-5 * np.cos(along), strict=True)), along="m")
+    words = rf"tread.csv is {length:.4g} m long, and a turn of wheel_1 2.713 m: give one whole turn, within 20%"
+    with pytest.raises(InputError, match=words):
+        heights_of(profile)
+
+
 def test_numpy_files_and_tables_across(tmp_path):
     angle, across = np.linspace(0, 2 * np.pi, 720, endpoint=False), np.array([-5.0, 0.0, 5.0])
     table = np.full((721, 4), np.nan)

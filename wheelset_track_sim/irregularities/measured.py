@@ -117,9 +117,20 @@ class Profile:
         yield Patch(first, self._across(heights, y))
 
     def _around(self, surface: Surface) -> Real:
-        """Heights at the steps of a tread, (steps, columns): the waves that steps can hold, each as it is."""
+        """Heights at the steps of a tread, (steps, columns): the waves that steps can hold, each as it is.
+
+        Raises InputError for samples given in m that are no turn of this wheel.
+        """
         along, values = self.samples.along, self.samples.values
-        turn = along * (2 * math.pi / self._turn) if self.along in ACROSS else along
+        if self.along in ACROSS:
+            if abs(self._turn / surface.length - 1) > CLOSING:
+                raise InputError(
+                    f"{self.file} is {self._turn:.4g} m long, and a turn of {surface.name} {surface.length:.4g} m: "
+                    f"give one whole turn, within {CLOSING:.0%}, or positions as angles"
+                )
+            turn = along * (2 * math.pi / self._turn)
+        else:
+            turn = along
         steps, count = surface.steps, len(turn)
         even = turn[0] + 2 * math.pi / count * np.arange(count)
         if np.abs(turn - even).max() > 1e-4 * 2 * math.pi / count:
