@@ -86,9 +86,15 @@ def test_bad_input_is_one_line_and_status_2(
     assert words in lines[0]
 
 
-def test_a_missing_bag_is_a_failure_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["report", str(tmp_path / "none.mcap")]) == 1
-    assert len(capsys.readouterr().err.splitlines()) == 1
+@pytest.mark.parametrize("bag", ["none.mcap", "."])
+def test_a_missing_bag_is_bad_input_in_one_line(
+    bag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for arguments in (["report"], ["info"], ["recover"], ["replay", "--simulate-again"]):
+        assert main([*arguments, bag]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith("give a bag folder or an .mcap file")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -20,5 +20,9 @@ class RecordingError(WheelsetTrackError):
     """A bag cannot be written or read."""
 
 
+class NoBagError(RecordingError, InputError):
+    """There is no bag where one was said to be."""
+
+
 class DivergenceError(WheelsetTrackError):
     """Forces, displacements or stresses of a step are not finite."""

@@ -147,7 +147,7 @@ def test_the_command_prints_tables(bag, capsys):
 
 
 def test_what_is_no_bag(tmp_path, capsys):
-    assert main(["info", str(tmp_path / "none")]) == 1
+    assert main(["info", str(tmp_path / "none")]) == 2
     assert "does not exist" in capsys.readouterr().err
 
 

@@ -2,11 +2,13 @@
 
 import dataclasses
 import os
+from pathlib import Path
 
 import pytest
 
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.recording import Bag, BagWriter, blocks, read
+from wheelset_track_sim.recording.bag_files import beside
 
 NAMES = ("run.mcap", "run")
 
@@ -143,3 +145,12 @@ def test_decimated_samples_are_no_run(tmp_path, run_blocks, run_info):
         bag.write(dataclasses.replace(run_blocks[0], decimation=10))
     with pytest.raises(RecordingError, match=r"only each 10th step of /wheelset_track_sim/\S+: record it at full rate"):
         read(path)
+
+
+@pytest.mark.parametrize(
+    ("bag", "page"), [("run.mcap", "run.html"), ("run.1", "run.1.html"), (".", "../in.html"), ("..", "../../up.html")]
+)
+def test_a_page_beside_a_bag_wherever_one_is(bag, page, tmp_path, monkeypatch):
+    (tmp_path / "up" / "in").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "up" / "in")
+    assert beside(Path(bag), ".html").resolve() == Path(page).resolve()

@@ -260,7 +260,7 @@ def test_a_damaged_bag_plays_as_far_as_it_can_be_read(play, client, bag, tmp_pat
 
 BAD = {
     "no bag": ([], "bag is missing: give a bag folder or an .mcap file", 2),
-    "missing": (["nowhere.mcap"], "nowhere.mcap does not exist", 1),
+    "missing": (["nowhere.mcap"], "nowhere.mcap does not exist", 2),
     "rate": (["BAG", "--rate", "-1"], "rate", 2),
     "stamps": (["BAG", "--stamps", "later"], "stamps = later is not known: give one of original, now", 2),
     "offset": (["BAG", "--start-offset", "5"], "start_offset = 5 s is behind the end of the bag", 2),

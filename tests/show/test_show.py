@@ -101,6 +101,14 @@ def test_the_command_writes_a_picture_and_refuses_in_one_line(tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") >= 2
 
 
+def test_a_picture_overwrites_no_scenario(tmp_path, capsys):
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("name: mine\nspeed: 30.0\n", encoding="utf-8")
+    assert main(["show", str(mine), "--out", str(mine)]) == 2
+    assert "mine.yaml is no picture: give a name that ends in .png" in capsys.readouterr().err
+    assert mine.read_text(encoding="utf-8") == "name: mine\nspeed: 30.0\n"
+
+
 def test_the_gallery_has_every_shipped_scenario_and_every_picture():
     page = (DOCS / "gallery.md").read_text(encoding="utf-8")
     shown = re.findall(r"^### `(\w+)`$", page, re.MULTILINE)

@@ -92,7 +92,8 @@ def _peaks(of: Summary) -> dict[str, Any]:
 
 def peaks(found: Again) -> Table:
     """Peaks as recorded and as simulated again, for people: kN, MPa, ms."""
-    title = f"{found.path.name}: {found.duration:.4g} s, {found.samples} steps, {len(found.inputs.changes) - 1} changes"
+    changes = len(found.inputs.changes) - 1
+    title = f"{found.path.absolute().name}: {found.duration:.4g} s, {found.samples} steps, {changes} changes"
     if found.settings:
         title += f"\nwith {', '.join(found.settings)}"
     table = Table(title=title, title_justify="left")

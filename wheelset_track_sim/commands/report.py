@@ -8,6 +8,7 @@ from ..errors import InputError
 from ..measured import Matching, compare
 from ..measured.reading import read_measurement
 from ..recording import Bag
+from ..recording.bag_files import beside
 from ..report import plot_run, summary_table, survey
 from ..simulation.impacts import ImpactSettings
 from .console import terminal
@@ -20,7 +21,7 @@ def report(
     measured: Path | None = None,
     lag: float | None = None,
 ) -> int:
-    """Write the page and the picture, print the table; returns the exit status.
+    """Write the page and the picture next to it, print the table; returns the exit status.
 
     ``measured`` is a file of measured loads or stresses, which the page shows beside the run with its zero at
     ``lag``, about. Without ``out`` the page is beside the bag.
@@ -33,8 +34,8 @@ def report(
         if not (missing.name or "").startswith("bokeh"):
             raise
         raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
-    page = out or _beside(bag)
     run = survey(bag, settings)
+    page = out or beside(bag, ".html")
     comparison = None
     if measured is not None:
         matching = Matching(lag=lag, threshold=(settings or ImpactSettings()).threshold)
@@ -48,8 +49,3 @@ def report(
     write_report(run, page, comparison)
     console.print(f"picture {picture}\npage    {page}", highlight=False, soft_wrap=True)
     return 0
-
-
-def _beside(bag: Path) -> Path:
-    bag = bag if bag.name not in ("", "..") else bag.resolve()
-    return bag.with_name(f"{bag.name.removesuffix('.mcap')}.html")

@@ -6,22 +6,31 @@ import re
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, RecordingError
+from ..errors import InputError, NoBagError
 from ..yaml12 import parse
 from .losses import Damage
 from .rosbag2_metadata import METADATA
 
 
 def files_of(path: Path) -> tuple[Path, ...]:
-    """Files of a bag, which is one of them or their folder; raises RecordingError if there are none."""
+    """Files of a bag, which is one of them or their folder; raises NoBagError if there are none."""
     if not path.exists():
-        raise RecordingError(f"{path} does not exist: give a bag folder or an .mcap file")
+        raise NoBagError(f"{path} does not exist: give a bag folder or an .mcap file")
     if path.is_file():
         return (path,)
     files = sorted(path.glob("*.mcap"), key=lambda file: (_number(file.name), file.name))
     if not files:
-        raise RecordingError(f"{path} holds no .mcap file: give a bag folder or an .mcap file")
+        raise NoBagError(f"{path} holds no .mcap file: give a bag folder or an .mcap file")
     return tuple(files)
+
+
+def beside(path: Path, ending: str) -> Path:
+    """A path beside a bag: with ``.html``, ``run.html`` for ``run.mcap`` and ``run.1.html`` for a folder ``run.1``.
+
+    For ``.``, too, whose name is that of the folder in which one is.
+    """
+    path = path if path.name not in ("", "..") else path.resolve()
+    return path.with_name(f"{path.name.removesuffix('.mcap')}{ending}")
 
 
 def missing_files(path: Path) -> list[Damage]:

@@ -9,7 +9,7 @@ from mcap.records import Metadata
 
 from ..errors import RecordingError
 from .bag_copy import BagCopy
-from .bag_files import files_of, missing_files
+from .bag_files import beside, files_of, missing_files
 from .bag_reader import Bag
 from .losses import Damage, Gap, Loss
 from .mcap_records import Message
@@ -59,7 +59,7 @@ def recover(path: str | Path, out: str | Path | None = None) -> Recovered:
     """
     source = Path(path)
     files = files_of(source)
-    copy = BagCopy(Path(out) if out is not None else beside(source))
+    copy = BagCopy(Path(out) if out is not None else beside(source, "_recovered"))
     losses: list[Loss] = [*missing_files(source)]
     lost = 0
     try:
@@ -82,12 +82,6 @@ def recover(path: str | Path, out: str | Path | None = None) -> Recovered:
         raise
     first, steps, seconds = _read_back(copy.path, losses)
     return Recovered(copy.path, copy.chunks, lost, copy.messages, first, steps, seconds, tuple(losses))
-
-
-def beside(path: Path) -> Path:
-    """Where a bag is recovered to if nothing is said."""
-    path = path if path.name not in ("", "..") else path.resolve()
-    return path.with_name(f"{path.name.removesuffix('.mcap')}_recovered")
 
 
 def _take(source: McapSource, copy: BagCopy, losses: list[Loss]) -> int:
