@@ -1,5 +1,6 @@
 """CSV files of measured signals."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,11 @@ def test_a_byte_order_mark_and_windows_lines_do_not_matter(tmp_path: Path) -> No
         (["time [s],A1 [Pa],A1 [MPa]"], "A1 comes twice"),
         (["time [s]"], "names one column"),
         ([HEAD, *ROWS[:3], "0.003,1"], "line 5 has 2 cells: give 3"),
+        ([HEAD, "0,000,98,1,0,0"], r"line 2 has 6 cells: give 3 .* \(decimal commas need semicolons or tabs"),
+        ([HEAD.replace(",", ";"), "0.000;98,100;0"], r"line 2: '98,100' has ',' where numbers before it have '\.'"),
+        ([HEAD.replace(",", ";"), "0,000;98,1;0", "0.001;98;0"], r"line 3: '0\.001' has '\.' .* before it have ','"),
+        ([HEAD, '"' + 200_000 * "x"], "line 2 is no line of cells"),
+        ([200_000 * "x"], "line 1 is no line of cells"),
         ([HEAD, *ROWS[:3], "0.003,1,"], "line 5: '' is not a finite number"),
         ([HEAD, *ROWS[:3], "0.003,nan,1"], "line 5: 'nan' is not a finite number"),
         ([HEAD, *ROWS[:3], "# gap", "0.002,1,1"], "line 6: 0.002 is not behind the 0.002 before it"),
@@ -76,10 +82,29 @@ def _empty(tmp_path: Path) -> Path:
 
 def test_files_that_are_no_text_are_refused(tmp_path: Path) -> None:
     (tmp_path / "picture.csv").write_bytes(bytes(range(256)))
-    with pytest.raises(InputError, match="is not text"):
+    with pytest.raises(InputError, match="is not text in UTF-8"):
         read_csv(tmp_path / "picture.csv")
     with pytest.raises(InputError, match="cannot be read"):
         read_csv(tmp_path / "missing.csv")
+
+
+def test_what_cannot_be_finished_leaves_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "stress.csv"
+    with pytest.raises(ValueError, match="shorter"):
+        write_csv(path, "time", np.arange(3.0), {"A1": np.zeros(2)}, "Pa")
+    assert not path.exists()
+
+
+def test_a_large_file_takes_the_room_of_its_numbers(tmp_path: Path) -> None:
+    count = 10_000
+    path = file(tmp_path, HEAD, *(f"{number}.5,98.123,2.5" for number in range(count)))
+    tracemalloc.start()
+    try:
+        read_csv(path)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < 5 * 3 * 8 * count + 100_000
 
 
 @given(st.lists(st.floats(-1e9, 1e9), min_size=16, max_size=40), st.sampled_from(["time", "position"]))

@@ -37,6 +37,18 @@ def test_a_bag_of_stresses_is_one_like_any_other(tmp_path: Path, capsys: pytest.
     assert found.max_principal[:, 0].max() > 70e6
 
 
+@pytest.mark.parametrize("start", [-0.05, 3.85e9])
+def test_a_bag_of_stresses_begins_at_any_time(tmp_path: Path, start: float) -> None:
+    """Before a trigger, or in seconds since 1904: stamps hold neither."""
+    path, bag = tmp_path / "forces.csv", tmp_path / "stress.mcap"
+    rows = "\n".join(f"{start + number / 1024!r},98,97" for number in range(100))
+    path.write_text(f"time [s],wheel_1 [kN],wheel_2 [kN]\n{rows}\n")
+    assert main(["stress", str(path), "--nodes", "A1", "--speed", "20", "--out", str(bag)]) == 0
+    found = read(bag)
+    np.testing.assert_allclose(found.time, start + np.arange(100) / 1024, atol=1e-6)
+    assert main(["info", str(bag)]) == 0
+
+
 def test_positions_need_a_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "forces.csv"
     rows = "\n".join(f"{number},98,97" for number in range(100))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as json_text
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from ..errors import InputError
 from ..measured.csv_file import WHEELS, read_csv, write_csv
 from ..measured.resampling import evenly
 from ..recording import BagWriter, RunInfo
+from ..recording.bag_writer import SECOND_NS
 from ..schema import check, quantity
 from ..simulation.block import COMPONENTS, SampleBlock
 from ..stress.from_forces import stresses_from_forces
@@ -26,6 +28,8 @@ from .progress import shown
 
 CHUNK = 1000
 """Samples of a message in a bag."""
+LATEST = 2.0**31
+"""Time behind the last that a time stamp of ROS can tell, s."""
 
 
 @dataclass(frozen=True)
@@ -131,9 +135,15 @@ def _write(out: Path, block: SampleBlock, source: Path, speed: float | None, inf
         raise InputError(f"--out {out} is neither .csv nor .mcap: give one of these")
     if speed is None:
         raise InputError(f"a bag says where each sample is: give the --speed at which {source} was measured, m/s")
-    with BagWriter(out, info, start_ns=0) as bag:
+    with BagWriter(out, info, start_ns=_start_ns(block)) as bag:
         for first in range(0, len(block), CHUNK):
             bag.write(_with(block, block.stresses, block.nodes, slice(first, min(first + CHUNK, len(block)))))
+
+
+def _start_ns(block: SampleBlock) -> int:
+    """Time stamp of time 0, ns: 0 if all samples can have stamps then, otherwise such that the first one is near 0."""
+    fits = block.time >= 0.0 and block.time + len(block) * block.step_period < LATEST
+    return 0 if fits else -math.floor(block.time) * SECOND_NS
 
 
 def _table(result: dict[str, Any]) -> Table:
