@@ -89,6 +89,27 @@ def test_positions_are_an_axis_too(blocks: list[SampleBlock]) -> None:
     assert found.impacts[0].at == pytest.approx(1.81, abs=0.01)
 
 
+def test_a_train_that_brakes_is_compared_over_time() -> None:
+    """Its steps grow to four times their duration, and none of them is a gap."""
+    chance = np.random.default_rng(5)
+    made: list[SampleBlock] = []
+    time = 0.0
+    for number, speed in enumerate([40.0] * 6 + [30.0, 20.0, 15.0, 12.0, 10.0, 9.0]):
+        forces = 98e3 + 1e3 * chance.standard_normal((1000, 2)).cumsum(axis=0)
+        first, period = 1000 * number, 1e-3 / speed
+        stresses = np.zeros((1000, 0, 6))
+        made.append(SampleBlock(first, time, period, speed, 1e-3 * first, 0, forces, stresses, ()))
+        time += 1000 * period
+    at = np.concatenate([block.time + np.arange(1000) * block.step_period for block in made])
+    force = np.concatenate([block.forces[:, 0] for block in made])
+    sampled = np.arange(0.01, time - 0.01, 1e-3)
+    measured = Measurement(Path("braking"), "time", sampled - 7.0, {"wheel_1": np.interp(sampled, at, force)})
+    found = compare(made, measured)
+    assert found.lag == pytest.approx(7.0, abs=0.5e-3)  # half a sample
+    with pytest.raises(InputError, match="the simulation has a gap: after step 999 comes step 2000"):
+        compare([made[0], made[2]], measured)
+
+
 def test_what_repeats_is_ambiguous_unless_the_lag_is_given_about(blocks: list[SampleBlock]) -> None:
     smooth = Simulator(load_scenario("undamaged"))
     ripple = [smooth.advance(12 * 600)]  # sleepers alone

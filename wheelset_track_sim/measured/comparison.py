@@ -82,7 +82,8 @@ class Comparison:
 def compare(blocks: Iterable[SampleBlock], measurement: Measurement, matching: Matching | None = None) -> Comparison:
     """Put a measurement beside a simulation and compare them where both are.
 
-    Raises InputError if they have no signal in common, or if it cannot be told where the measurement lies on the axis.
+    Raises InputError if they have no signal in common, if one of them has gaps, or if it cannot be told where the
+    measurement lies on the axis.
     """
     matching = matching or Matching()
     names, at, signals = simulated_signals(blocks, measurement)
@@ -92,7 +93,8 @@ def compare(blocks: Iterable[SampleBlock], measurement: Measurement, matching: M
     theirs = Measurement(
         measurement.source, measurement.axis, measurement.at, {name: measurement.signals[name] for name in names}
     )
-    simulation, record = evenly(ours), evenly(theirs)
+    simulation = evenly(ours, widest=math.inf)  # no step is missing: one that is wide is run slowly
+    record = evenly(theirs)
     step = max(simulation.step, record.step)
     grid, record_grid = (np.arange(of.count(step), dtype=np.float64) * step for of in (simulation, record))
     simulated = simulation.at(grid, step)
@@ -138,9 +140,15 @@ def simulated_signals(blocks: Iterable[SampleBlock], measurement: Measurement) -
     """Names that a simulation and a measurement share, time and position (n, 2) of each step, signals (n, shared)."""
     names: tuple[str, ...] | None = None
     at, signals = [], []
+    end = 0
     for block in blocks:
         if names is None:
             names = _shared(measurement, block.nodes)
+        elif block.first_step != end:
+            raise InputError(
+                f"the simulation has a gap: after step {end - 1} comes step {block.first_step}, give one part of it"
+            )
+        end = block.first_step + len(block)
         rows = np.arange(len(block)) * block.step_period
         at.append(np.stack([block.time + rows, block.position + rows * block.speed], axis=-1))
         signals.append(np.stack([signal_of(block, name) for name in names], axis=-1))

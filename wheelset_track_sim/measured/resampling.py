@@ -49,10 +49,11 @@ class Even(NamedTuple):
         return band_limited(self.signals, places / self.step, step / self.step)
 
 
-def evenly(measurement: Measurement) -> Even:
+def evenly(measurement: Measurement, widest: float = WIDEST) -> Even:
     """A measurement at even distances.
 
-    An uneven axis is evened by a spline of the fifth degree; InputError for one with gaps.
+    An uneven axis is evened by a spline of the fifth degree; InputError for one with gaps, which are steps of more than
+    ``widest`` of the usual ones.
     """
     at, step = measurement.at, measurement.step
     signals = np.stack([*measurement.signals.values()], axis=-1)
@@ -60,11 +61,11 @@ def evenly(measurement: Measurement) -> Even:
         return Even(float(at[0]), step, signals)
     widths = np.diff(at)
     typical = float(np.median(widths))
-    widest = int(widths.argmax())
-    if widths[widest] > WIDEST * typical:
+    place = int(widths.argmax())
+    if widths[place] > widest * typical:
         raise InputError(
-            f"{measurement.source} has a gap of {widths[widest]:g} behind {at[widest]:g}, "
-            f"{widths[widest] / typical:.1f} steps wide: give up to {WIDEST:g} steps, or one file for each part"
+            f"{measurement.source} has a gap of {widths[place]:g} behind {at[place]:g}, "
+            f"{widths[place] / typical:.1f} steps wide: give up to {widest:g} steps, or one file for each part"
         )
     return Even(float(at[0]), step, make_interp_spline(at, signals, k=5)(at[0] + step * np.arange(len(at))))
 
