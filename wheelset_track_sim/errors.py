@@ -1,5 +1,8 @@
 """The family of errors that a caller can act on; everything else keeps its traceback."""
 
+LONGEST = 2000
+"""Characters of a line that refuses input."""
+
 
 class WheelsetTrackError(Exception):
     """Base of all errors raised on purpose by this package; the command line ends with status 1."""
@@ -8,8 +11,14 @@ class WheelsetTrackError(Exception):
 class InputError(WheelsetTrackError, ValueError):
     """Input that cannot be used; the command line ends with status 2.
 
-    The message is one line: quantity, value, limit and remedy.
+    The message is one line: quantity, value, limit and remedy. What is refused may come over a network: of its
+    characters those that cannot be printed are escaped, and a message that is longer than ``LONGEST`` loses its middle.
     """
+
+    def __init__(self, message: str) -> None:
+        line = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
+        half = (LONGEST - 5) // 2
+        super().__init__(line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}")
 
 
 class ContactError(WheelsetTrackError):

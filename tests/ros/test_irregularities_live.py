@@ -9,6 +9,7 @@ pytest.importorskip("wheelset_track_msgs")
 
 from service_calls import assert_gap_free, first_of
 
+from wheelset_track_sim.errors import LONGEST
 from wheelset_track_sim.scenario import scenario_from
 from wheelset_track_sim.yaml12 import parse
 
@@ -54,11 +55,14 @@ def test_any_irregularity_changes_live_and_goes_on_without_a_jump(start, client,
         ("[{type: profile, on: wheel_1, file: ../outside.csv, along: deg, height: mm}]", "leads out of"),
         (f"[{{type: profile, on: wheel_1, file: {tmp_path}/outside.csv, along: deg, height: mm}}]", "leads out of"),
         ("#" * (256 * 1024 + 1), "give at most 262144"),
+        ('[{type: breakout, "a\\nb": 1}]', r"irregularities.0.a\nb is not a known key"),
+        (f"[{{type: breakout, on: {'A' * 200_000}}}]", "irregularities.0.on = 'AAA"),
     ):
         refused = irregularities(client, text)
         assert (refused.success, refused.revision) == (False, 1), text[:60]
         assert words in refused.message
         assert "\n" not in refused.message
+        assert len(refused.message) <= LONGEST
     # a topic does the same; a file below the folder becomes part of the scenario
     publisher = client.node.create_publisher(String, f"{client.name}/cmd/irregularities", 1)
     client.until(lambda: publisher.get_subscription_count() == 1)
