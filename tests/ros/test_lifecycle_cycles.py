@@ -21,6 +21,15 @@ def assert_gap_free(chunks):
         assert after.first_step == before.first_step + before.samples
 
 
+def by_number(client, label):
+    """Whether a transition succeeded that is asked for by its number alone, as lifecycle managers do."""
+    from lifecycle_msgs.msg import Transition
+    from lifecycle_msgs.srv import ChangeState
+
+    number = getattr(Transition, f"TRANSITION_{label.upper()}")
+    return client.call("change_state", ChangeState, transition=Transition(id=number)).success
+
+
 def test_transitions_may_be_repeated(start, client, summaries, reports):
     node = start(scenario="undamaged", autostart="false", real_time_factor=4.0)
     begun = [0]
@@ -31,6 +40,7 @@ def test_transitions_may_be_repeated(start, client, summaries, reports):
             assert client.transition("activate")
             client.until(lambda seen=seen: len(summaries) >= seen + 5)
             assert not client.transition("activate")  # it is: refused, and nothing happens
+            assert not by_number(client, "activate")
             assert client.transition("deactivate")
         assert client.transition("cleanup")
         client.until(lambda: reports[-1] == (OK, "unconfigured"))

@@ -77,6 +77,20 @@ def test_speed_is_approached_from_the_step_of_the_answer(start, client, services
     assert states[-1].speed_set_point == SPEED
 
 
+def test_parameters_of_no_known_type_are_answered(start, client, forces):
+    from rcl_interfaces.msg import Parameter, ParameterValue
+    from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+
+    node = start(scenario="undamaged")
+    client.until(lambda: forces)
+    odd = [Parameter(name="speed", value=ParameterValue(type=99))]
+    assert client.call("set_parameters", SetParameters, parameters=odd).results == []
+    assert not client.call("set_parameters_atomically", SetParametersAtomically, parameters=odd).result.successful
+    assert client.set(speed=30.0).successful  # the node serves on
+    end(node)
+    assert "set_parameters is refused: 99 is not a valid" in node.errors + node.output
+
+
 def test_commands_by_topic_lead_to_the_same_revisions(start, client, forces, states):
     from std_msgs.msg import Float64
     from wheelset_track_msgs.msg import TreadDamageArray

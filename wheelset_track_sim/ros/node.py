@@ -28,6 +28,7 @@ from .recorder import Recorder
 from .revisions import Revisions
 from .run import Run
 from .services import Services
+from .serving import answer_always
 
 NAME = "wheelset_track_sim"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
@@ -77,6 +78,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._set_recorder(self.parameters.recording({}))
         self._monitoring = Monitoring(self, self.parameters, lambda: self.recorder.status)
         Services(self)
+        answer_always(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
     @property

@@ -28,6 +28,7 @@ from ..replay.topics import CLOCK, Topic
 from .clock import NodeClock
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
+from .serving import answer_always
 
 NAME = PREFIX.strip("/")
 FAREWELL = Duration(seconds=1)
@@ -65,6 +66,7 @@ class ReplayNode(Node):  # type: ignore[misc]
             self._outlets = {topic.name: self._publisher(topic) for topic in self._topics.values()}
             stack.pop_all()
         ReplayServices(self)
+        answer_always(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
     def begin(self) -> None:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable
+from functools import partial
 from typing import Any
+
+from rclpy.node import Node
 
 from ..errors import WheelsetTrackError
 
@@ -24,3 +27,21 @@ def served(log: Any, answer: Callable[[Any], Answer], request: Any, response: An
     for name, value in fields.items():
         setattr(response, name, value)
     return response
+
+
+def answer_always(node: Node) -> None:
+    """Have those services of ``node`` answer, too, that ``rclpy`` brings, whatever they are asked for.
+
+    A transition that the state at hand does not have, or a parameter of no known type, would end the executor: nobody
+    would be served any more. The answer is what there is of it by then, at first that nothing was done.
+    """
+    for service in node.services:
+        service.callback = partial(_answered, node.get_logger(), service.srv_name, service.callback)
+
+
+def _answered(log: Any, name: str, callback: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+    try:
+        return callback(request, response)
+    except Exception as refusal:  # noqa: BLE001  the executor must live, and the client must not wait
+        log.warning(f"{name} is refused: {' '.join(str(refusal).split())}")
+        return response

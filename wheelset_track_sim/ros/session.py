@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
@@ -14,6 +15,7 @@ import rclpy
 from rclpy.exceptions import InvalidHandle, InvalidNamespaceException, InvalidNodeNameException
 from rclpy.executors import Executor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.logging import get_logger
 from rclpy.signals import SignalHandlerOptions
 
 from ..errors import InputError
@@ -62,12 +64,12 @@ def session(arguments: Sequence[str]) -> Iterator[Endings]:
 
 @contextmanager
 def spinning(executor: Executor) -> Iterator[None]:
-    """An executor in a thread of its own."""
+    """An executor in a thread of its own; what callbacks raise, such as ``rclpy``'s on a strange message, is logged."""
     done = threading.Event()
 
     def spin() -> None:
         while not done.is_set():
-            with suppress(InvalidHandle):  # of a publisher that a transition has taken away meanwhile
+            with _going_on():
                 executor.spin_once(timeout_sec=1.0)
 
     thread = threading.Thread(target=spin, name="executor")
@@ -85,6 +87,16 @@ def next_ending(endings: Endings) -> Ending:
     while True:
         with suppress(Empty):
             return endings.get(timeout=0.2)
+
+
+@contextmanager
+def _going_on() -> Iterator[None]:
+    try:
+        yield
+    except InvalidHandle:  # of a publisher that a transition has taken away meanwhile
+        pass
+    except Exception:  # noqa: BLE001  the nodes must be served on
+        get_logger("executor").error(traceback.format_exc())
 
 
 @contextmanager
