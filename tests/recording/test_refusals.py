@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import resource
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,20 @@ def test_a_folder_that_cannot_be_written(tmp_path, run_info, name):
         BagWriter(tmp_path / "file" / name, run_info, start_ns=0)
     one_line(error)
     assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_disk_that_is_full_at_once_leaves_nothing_in_the_way(tmp_path, run_info, name):
+    """A limit on the size of files stands for it."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        with pytest.raises(InputError, match=r"cannot be written.*give a path") as error:
+            BagWriter(tmp_path / name, run_info, start_ns=0)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    one_line(error)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", NAMES)

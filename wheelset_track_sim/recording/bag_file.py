@@ -32,8 +32,13 @@ class BagFile:
         """By the names of messages, in the order in which they came."""
         self._prefix = prefix
         self._stream = FileIO(path, "xb")
-        self._mcap = McapFile(self._stream, "ros2", f"wheelset_track_sim {__version__}")
-        self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
+        try:
+            self._mcap = McapFile(self._stream, "ros2", f"wheelset_track_sim {__version__}")
+            self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
+        except OSError:
+            self._stream.close()
+            path.unlink(missing_ok=True)
+            raise
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
         self._sequence: Counter[int] = Counter()

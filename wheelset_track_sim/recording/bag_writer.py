@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from shutil import rmtree
 
 from ..errors import InputError, RecordingError
 from .bag_file import BagFile
@@ -65,13 +66,16 @@ class BagWriter(Writer):
         self._state_due = True
         self._note = ""
         self._open = True
-        with creating(self.path):
+        with creating(self.path), ExitStack() as undo:
             if self._folder is None:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
             else:
                 self._folder.mkdir(parents=True)
+                undo.callback(rmtree, self._folder, ignore_errors=True)
             self._file = BagFile(self._path_of(0), info, self.prefix, start_ns)
+            undo.callback(self._file.abandon)
             self._write_folder_metadata()
+            undo.pop_all()
 
     @property
     def file(self) -> Path:
