@@ -60,7 +60,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         LifecycleNodeMixin.__init__(self, callback_group=ReentrantCallbackGroup())
         self._end = end
         self._models = models or ModelPool()
-        self._transition = threading.Lock()
+        self._transition = threading.RLock()
         self._interrupted = False
         self._accepted = ""  # what to know of parameters that were set
         self._refusal: WheelsetTrackError | None = None
@@ -157,28 +157,37 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         """Begin a new run from step 0 with the scenario accepted last, in the state at hand; what to know about it.
 
         A bag that is being written ends with the old run; the new one goes into a bag beside it. Raises
-        WheelsetTrackError if there is no run, or the new one cannot begin.
+        WheelsetTrackError if there is no run, or the new one cannot begin; one that cannot go on stands, inactive.
         """
         if not self._transition.acquire(blocking=False):
             raise InputError("the node is changing its state: reset it afterwards")
+        running = self.run is not None and self.run.running
         try:
-            before = self.needed_run()
-            simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
-            running, recording = before.running, self.recorder.path
-            before.end()
-            with suppress(RecordingError):  # the recorder keeps it
-                self.recorder.stop().result()
-            self._begin(simulator, self.recorder.beside() if recording else None)
-            if running:
-                self._go_on()
-            else:
-                self.needed_run().stand("reset, not active")
+            self._renew()
             return f"a new run from step 0{f', recorded to {self.recorder.path}' if self.recorder.path else ''}"
         except WheelsetTrackError as refusal:
             self.get_logger().error(f"reset: {refusal}")
+            if running and not self.needed_run().running:
+                with suppress(Exception):  # of the state machine: another has begun a transition
+                    self.trigger_deactivate()
+                self._monitoring.fail(str(refusal))
             raise
         finally:
             self._transition.release()
+
+    def _renew(self) -> None:
+        """Another run instead of the one at hand, which goes on if that one did."""
+        before = self.needed_run()
+        simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
+        running, recording = before.running, self.recorder.path
+        before.end()
+        with suppress(RecordingError):  # the recorder keeps it
+            self.recorder.stop().result()
+        self._begin(simulator, self.recorder.beside() if recording else None)
+        if running:
+            self._go_on()
+        else:
+            self.needed_run().stand("reset, not active")
 
     def needed_run(self) -> Run:
         """The run; raises InputError if there is none."""
