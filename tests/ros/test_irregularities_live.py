@@ -37,7 +37,7 @@ def test_any_irregularity_changes_live_and_goes_on_without_a_jump(start, client,
     )
     answer = irregularities(client, kinds)
     assert (answer.success, answer.message, answer.revision) == (True, "", 1)
-    client.until(lambda: forces[-1].revision == 1)
+    client.until(lambda: forces[-1].revision == states[-1].revision == 1)
     assert first_of(forces, 1).first_step == answer.step == states[-1].first_step
     assert [(found.wheel, found.angle) for found in states[-1].damage] == [(2, 2.0)]
     assert [each.type for each in scenario_from(parse(states[-1].scenario, "state")).irregularities] == [
@@ -67,7 +67,7 @@ def test_any_irregularity_changes_live_and_goes_on_without_a_jump(start, client,
     publisher = client.node.create_publisher(String, f"{client.name}/cmd/irregularities", 1)
     client.until(lambda: publisher.get_subscription_count() == 1)
     publisher.publish(String(data="[{type: profile, on: wheel_1, file: tread.csv, along: deg, height: mm}]"))
-    client.until(lambda: forces[-1].revision == 2)
+    client.until(lambda: forces[-1].revision == states[-1].revision == 2)
     assert "359.0 0.0199" in states[-1].scenario
     # tread damage replaces what is on the treads
     assert client.set(wheel_2__damage__h=0.0005).successful

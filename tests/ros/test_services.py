@@ -30,7 +30,7 @@ def test_damage_comes_into_force_at_the_step_of_the_answer(start, client, servic
     client.until(lambda: forces and states)
     answer = services.damage({}, {"wheel": 2, "angle": 1.0}, {"angle": 3.0, "y": 0.005}, {"h": 0.0})
     assert (answer.success, answer.message, answer.revision) == (True, "", 1)
-    client.until(lambda: forces[-1].revision == 1)
+    client.until(lambda: forces[-1].revision == states[-1].revision == 1)
     assert first_of(forces, 1).first_step == answer.step == states[-1].first_step
     assert_gap_free(forces)
     told = [(found.wheel, found.kind, found.a, found.h, found.angle, found.y) for found in states[-1].damage]
@@ -253,7 +253,7 @@ def test_reset_begins_a_new_run_with_what_is_in_force(start, client, services, f
     client.until(lambda: forces and states)
     assert services.speed(30.0, 10.0).success
     assert services.damage({"wheel": 2}).success
-    client.until(lambda: forces[-1].revision == 2)
+    client.until(lambda: forces[-1].revision == states[-1].revision == 2)
     last = len(states)
     answer = services.trigger("reset")
     assert answer.success
@@ -282,6 +282,25 @@ def test_reset_begins_a_new_run_with_what_is_in_force(start, client, services, f
         recorded = read(tmp_path / name)
         np.testing.assert_array_equal(recorded.steps, np.arange(len(recorded)))
         assert digest in (None, recorded.info.digest)
+
+
+def test_a_new_run_that_cannot_be_recorded_stands_until_it_is_told_to_go_on(start, client, services, forces, tmp_path):
+    name = "r" * 247  # with _2 the name of a file in it is too long
+    bag = {"record__directory": tmp_path, "record__name": name, "record__on_start": "true"}
+    node = start(scenario="undamaged", **bag)
+    client.until(lambda: forces)
+    refused = services.trigger("reset")
+    assert not refused.success
+    assert f"{name}_2 cannot be written" in refused.message
+    assert client.state() == "inactive"
+    assert services.trigger("pause").message == "paused already"
+    assert services.trigger("resume").message == refused.message
+    assert services.trigger("reset").success  # without a bag, of which there is none now
+    seen = len(forces)
+    assert services.trigger("resume").success
+    client.until(lambda: len(forces) >= seen + 3)
+    assert forces[seen].first_step == 0
+    end(node)
 
 
 def test_parameters_one_by_one_atomically_and_from_a_file_at_the_start(start, client, forces, states, tmp_path):
