@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 
 from wheelset_track_sim import shipped
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.profile_points import load_points
 from wheelset_track_sim.scenario import Scenario, SetPoint, load_scenario, override, scenario_from
+from wheelset_track_sim.structures.track import load_track
 from wheelset_track_sim.yaml12 import dump, parse
 
 
@@ -127,3 +129,30 @@ def test_files_of_models_become_part_of_the_scenario(tmp_path: Path) -> None:
     assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
     with pytest.raises(InputError, match=r"soft\.yaml cannot be read"):
         load_scenario("undamaged", [f"track={track}"])
+
+
+def test_files_are_found_beside_the_scenario_that_names_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "axle.yaml").write_text(dump(shipped.load_yaml("wheelsets", "trailer")))
+    (tmp_path / "mine" / "soft.yaml").write_text("base: ballasted_60e1\npad: {stiffness: 9.0e+7}\n")
+    (tmp_path / "mine" / "worn.csv").write_text(shipped.text("wheel_profiles", "s1002_hollow.csv"))
+    text = "name: mine\nspeed: 30.0\naxle_load: 137340.0\nwheelset: axle.yaml\nprofiles: {wheel_1: worn.csv}\n"
+    (tmp_path / "mine" / "case.yaml").write_text(text + "track: soft.yaml\n")
+    (tmp_path / "mine" / "wide.yaml").write_text(text + "track: {base: soft.yaml, spacing: 0.65}\n")
+    monkeypatch.chdir(tmp_path)
+    case, wide = load_scenario("mine/case.yaml"), load_scenario("mine/wide.yaml")
+    for file in ("axle.yaml", "soft.yaml", "worn.csv"):
+        (tmp_path / "mine" / file).unlink()
+    assert load_track(case.track).pad.stiffness == load_track(wide.track).pad.stiffness == 9e7
+    assert load_track(wide.track).spacing == 0.65
+    assert case.wheelset == wide.wheelset == shipped.load_yaml("wheelsets", "trailer")
+    assert case.profiles.wheel_1 == load_points("wheel", "s1002_hollow").plain()
+    assert scenario_from(parse(wide.to_yaml(), "")) == wide
+
+
+def test_files_that_stand_on_themselves_come_to_an_end(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_text(f"base: {own}\n")
+    scenario = load_scenario("undamaged", [f"track={own}"])
+    with pytest.raises(InputError, match=r"track\.base = .*own\.yaml"):
+        load_track(scenario.track)

@@ -13,11 +13,10 @@ from .cache import digest
 from .errors import InputError
 from .irregularities import AnyIrregularity, line_steps
 from .irregularities.listing import MOST
-from .irregularities.measured import located_beside
 from .loads import Loads
 from .profile_points import FILES, load_points
 from .schema import Quantity, check, plain, quantity, read
-from .shipped import load_yaml
+from .shipped import MAX_DEPTH, load_yaml
 from .yaml12 import dump, parse
 
 Wheel = Literal["wheel_1", "wheel_2"]
@@ -186,24 +185,44 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     if not isinstance(data, dict):
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
     if Path(name_or_path).is_file():
-        located_beside(data, Path(name_or_path))
+        _find_beside(data, Path(name_or_path).parent)
     for change in overrides:
         override(data, change)
     take_in(data)
     return scenario_from(data)
 
 
+def _find_beside(data: dict[str, Any], folder: Path) -> None:
+    """Let the files that a plain scenario names be found in the folder of its own, too, from wherever it is run."""
+    places: list[tuple[Any, str]] = [(data, "wheelset"), (data, "track"), (data.get("track"), "base")]
+    profiles, irregularities = data.get("profiles"), data.get("irregularities")
+    places += [(profiles, surface) for surface in (profiles if isinstance(profiles, dict) else ())]
+    places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
+    for place, key in places:
+        name = place.get(key) if isinstance(place, dict) else None
+        if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
+            place[key] = str(folder / name)
+
+
 def take_in(data: dict[str, Any]) -> None:
     """Put the content of files of the user's in the place of their names, so that a scenario needs no other file."""
-    for model in ("wheelset", "track"):
-        if isinstance(data.get(model), str) and Path(data[model]).suffix in (".yaml", ".yml", ".npz"):
-            data[model] = load_yaml(f"{model}s", data[model])
+    _take_in_model(data, "wheelset", "wheelsets")
+    _take_in_model(data, "track", "tracks")
     profiles = data.get("profiles")
     if not isinstance(profiles, dict):
         return
     for surface, given in profiles.items():
         if isinstance(given, str) and Path(given).suffix in FILES:
             profiles[surface] = load_points(surface.partition("_")[0], given).plain()
+
+
+def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
+    """Put the content of a model's file in the place of its name, and that of the files on which it stands."""
+    name = place.get(key) if isinstance(place, dict) else None
+    if isinstance(name, str) and Path(name).suffix in (".yaml", ".yml", ".npz"):
+        place[key] = load_yaml(kind, name)
+    if isinstance(place, dict) and depth < MAX_DEPTH:
+        _take_in_model(place.get(key), "base", kind, depth + 1)
 
 
 def scenario_from(data: Mapping[str, Any]) -> Scenario:

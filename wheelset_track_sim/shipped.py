@@ -17,6 +17,9 @@ from .yaml12 import parse
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
+MAX_DEPTH = 8
+"""Models that stand on one another by ``base``."""
+
 
 def names(kind: str, suffix: str = ".yaml") -> list[str]:
     """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``, ``studies``."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -164,15 +163,6 @@ class Profile:
         """Length of the samples once around, m."""
         along = self.samples.along
         return float(np.ptp(along) + np.median(np.diff(along)))
-
-
-def located_beside(data: dict[str, object], scenario: Path) -> None:
-    """Let files that the irregularities of a plain scenario name be found beside its own file."""
-    items = data.get("irregularities")
-    for item in items if isinstance(items, list) else []:
-        name = item.get("file") if isinstance(item, dict) else None
-        if isinstance(name, str) and not Path(name).is_absolute() and (scenario.parent / name).is_file():
-            item["file"] = str(scenario.parent / name)
 
 
 def _whole(samples: Samples, around: float, gaps: str, file: str) -> Samples:

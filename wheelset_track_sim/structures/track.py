@@ -23,14 +23,11 @@ from typing import Any, Literal
 
 from ..errors import InputError
 from ..schema import check, quantity, read
-from ..shipped import load_yaml
+from ..shipped import MAX_DEPTH, load_yaml
 from .supports import Line
 
 Half = Literal["symmetric", "antisymmetric"]
 HALVES: tuple[Half, Half] = ("symmetric", "antisymmetric")
-
-MAX_DEPTH = 8
-"""Tracks that stand on one another by ``base``."""
 
 
 @dataclass(frozen=True)
@@ -166,9 +163,10 @@ def _with_base(data: Any, depth: int = 0) -> Any:
     """Mapping of a track with what its base says filled in, entry by entry of ``rail``, ``pad`` and the like."""
     if not isinstance(data, Mapping) or "base" not in data:
         return data
-    if not isinstance(data["base"], str) or depth > MAX_DEPTH:
-        raise InputError(f"track.base = {data['base']!r} is not a track: give the name of a shipped one, or a file")
-    base = _with_base(load_yaml("tracks", data["base"]), depth + 1)
+    named = data["base"]
+    if not isinstance(named, (str, Mapping)) or depth > MAX_DEPTH:
+        raise InputError(f"track.base = {named!r} is not a track: give the name of a shipped one, or a file")
+    base = _with_base(named if isinstance(named, Mapping) else load_yaml("tracks", named), depth + 1)
     merged = dict(base) if isinstance(base, Mapping) else {}
     for key, value in data.items():
         inner = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping) and key != "line"
