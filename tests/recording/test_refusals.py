@@ -10,6 +10,10 @@ import pytest
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.recording import Bag, BagWriter, blocks, read
 from wheelset_track_sim.recording.bag_files import beside
+from wheelset_track_sim.recording.messages import chunk_messages
+from wheelset_track_sim.recording.run_writer import RunWriter
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.simulation.simulator import Simulator
 
 NAMES = ("run.mcap", "run")
 
@@ -169,3 +173,33 @@ def test_a_page_beside_a_bag_wherever_one_is(bag, page, tmp_path, monkeypatch):
     (tmp_path / "up" / "in").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "up" / "in")
     assert beside(Path(bag), ".html").resolve() == Path(page).resolve()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_broken_off_within_a_chunk_leaves_no_half_of_it(tmp_path, run_info, run_blocks, name):
+    """As Ctrl-C does while messages are made."""
+    path = tmp_path / name
+
+    first, second, *_ = chunk_messages(run_blocks[1], 0)
+
+    def broken_off():
+        with BagWriter(path, run_info, start_ns=0) as bag:
+            bag.write(run_blocks[0])
+            bag.write_messages([first, dataclasses.replace(second, fields={})])
+
+    with pytest.raises(KeyError):
+        broken_off()
+    losses = []
+    assert [len(block) for block in Bag(path, losses.append).blocks()] == [1389]
+    assert losses == []
+
+
+def test_a_run_that_is_broken_off_before_it_begins_leaves_nothing(tmp_path, monkeypatch):
+    def interrupted(simulator):
+        raise KeyboardInterrupt
+
+    simulator = Simulator(load_scenario("undamaged"))
+    monkeypatch.setattr("wheelset_track_sim.recording.run_writer.state", interrupted)
+    with pytest.raises(KeyboardInterrupt), RunWriter(tmp_path / "run", simulator):
+        pass
+    assert [*tmp_path.iterdir()] == []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from shutil import rmtree
@@ -94,9 +94,10 @@ class BagWriter(Writer):
         """
         self._require_open()
         together = [*messages]
+        size = sum(len(message.cdr) for message in together)  # all are made before one is taken in: a Ctrl-C parts none
         try:
             if together and together[0].kind in BEGINNINGS:
-                self._make_room(together)
+                self._make_room(together[0].stamp_ns, size)
             for message in together:
                 self._add(message)
             if self._end_ns - self._flushed_ns >= CHUNK_PERIOD_NS:
@@ -192,14 +193,13 @@ class BagWriter(Writer):
         self._state_due = True
         self._write_folder_metadata()
 
-    def _make_room(self, messages: Sequence[Message]) -> None:
-        """Go on in another file, and remove the oldest ones, where the bounds ask for it before ``messages``."""
+    def _make_room(self, stamp_ns: int, more: int) -> None:
+        """Go on in another file, and remove the oldest ones, where the bounds ask for it before ``more`` bytes."""
         settings = self._settings
         if not settings.splits:
             return
-        more = sum(len(message.cdr) for message in messages)
         full = 0 < settings.file_size < self._file.bound + more
-        long = 0 < settings.max_duration * SECOND_NS <= messages[0].stamp_ns - self._file.begin_ns
+        long = 0 < settings.max_duration * SECOND_NS <= stamp_ns - self._file.begin_ns
         if self._file.holds_messages and (full or long):
             self._next_file()
         while self._parts and 0 < settings.max_total_size < self.bound + more:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -36,14 +37,16 @@ class RunWriter:
         ``settings`` say how it is recorded, ``impacts`` what makes an impact.
         """
         self._simulator = simulator
-        self._bag = writer_of(Path(path), run_info(simulator), settings or RecordSettings(), start_ns=start_ns)
         self._watch = Watch(simulator, impacts)
         self._told = simulator.revision
         self._set_point = simulator.course.at(simulator.next_step).set_point
+        self._bag = writer_of(Path(path), run_info(simulator), settings or RecordSettings(), start_ns=start_ns)
 
     def __enter__(self) -> Self:
-        self._bag.__enter__()
-        self._bag.write_state(state(self._simulator))
+        with ExitStack() as stack:
+            stack.enter_context(self._bag)
+            self._bag.write_state(state(self._simulator))
+            stack.pop_all()
         return self
 
     def __exit__(
