@@ -115,6 +115,23 @@ def test_flange_contact_is_refused():
         geometry_of("lateral_offset", "lateral_offset=-0.006")
 
 
+def test_a_wheel_beside_its_rail_is_refused_with_what_puts_it_there():
+    with pytest.raises(
+        InputError, match=r"wheel_1 is 0\.211 m outside the middle of its rail, beside the head: .*gauge"
+    ):
+        geometry_of("lateral_offset", "profiles.gauge=1.0")
+
+
+@pytest.mark.parametrize(
+    ("spacing", "step", "words"), [(0.6, 7e-4, "give 0.000625 m"), (0.65, 9e-4, "give 0.0008125 m")]
+)
+def test_a_step_that_does_not_divide_the_bay_is_refused_with_one_that_does(spacing, step, words):
+    changes = [f"track.spacing={spacing}"]
+    with pytest.raises(InputError, match=f"does not divide the sleeper spacing of {spacing} m: {words}"):
+        described(load_scenario("undamaged", [*changes, f"step_length={step}"]))
+    assert described(load_scenario("undamaged", [*changes, f"step_length={words.split()[1]}"]))
+
+
 def test_points_that_end_in_the_contact_area_are_refused():
     y = [round(1e-3 * k, 6) for k in range(-26, 27)]
     flat = {"y": y, "z": [0.0] * len(y)}

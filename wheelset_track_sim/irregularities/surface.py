@@ -172,7 +172,8 @@ def line_steps(irregularities: Iterable[Irregularity], line_length: float | None
         steps = line_length / dx
         if abs(steps - round(steps)) > 1e-6:
             raise InputError(
-                f"line_length = {line_length:g} m is no whole number of steps of {dx:g} m: give {round(steps) * dx:g} m"
+                f"line_length = {line_length:g} m is no whole number of steps of {dx:g} m: "
+                f"give {round(steps) * dx:.12g} m"
             )
         return round(steps)
     on_rails = [each for each in irregularities if each.on in RAILS]

@@ -96,10 +96,10 @@ def described(scenario: Scenario) -> tuple[AnyWheelset, Track, ContactGeometry]:
     wheelset, track = load_any_wheelset(scenario.wheelset), load_track(scenario.track)
     dx = scenario.step_length
     bay = track.spacing / dx
-    if abs(bay - round(bay)) > 1e-6:
+    if not _whole(bay):
         raise InputError(
             f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
-            f"give {track.spacing / math.ceil(bay):g} m"
+            f"give {_dividing(track.spacing, math.ceil(bay))} m"
         )
     if track.line is not None and scenario.dynamics == "paper":
         raise InputError("track.line cannot be followed in paper dynamics, whose supports are all the same: use causal")
@@ -108,6 +108,16 @@ def described(scenario: Scenario) -> tuple[AnyWheelset, Track, ContactGeometry]:
         shifts = geometry.touch(0) - geometry.rolling_circle(0), geometry.touch(1) - geometry.rolling_circle(1)
         wheelset = replace(wheelset, contact_shifts=shifts)
     return wheelset, track, geometry
+
+
+def _whole(count: float) -> bool:
+    return abs(count - round(count)) <= 1e-6
+
+
+def _dividing(length: float, parts: int) -> str:
+    """A length that goes ``parts`` times into ``length``, or a little more often: the first that few digits can say."""
+    told = (f"{length / count:.6g}" for count in range(parts, 2 * parts + 1))
+    return next((each for each in told if _whole(length / float(each))), f"{length / parts!r}")
 
 
 def load_models(

@@ -39,7 +39,13 @@ def contact_geometry(scenario: Scenario, wheelset: AnyWheelset) -> ContactGeomet
                 shift += outwards * circle - (given.gauge / 2 - gauge_face(rail))
             except InputError as refusal:
                 raise InputError(f"profiles.rail_{number}: {refusal}") from None
-        pairs.append(Pair(wheel, rail, shift))
+        try:
+            pairs.append(Pair(wheel, rail, shift))
+        except InputError:
+            raise InputError(
+                f"{name} is {abs(shift):.3g} m {'outside' if shift > 0 else 'inside'} the middle of its rail, beside "
+                f"the head: give a smaller lateral_offset, or a profiles.gauge that the wheelset fits"
+            ) from None
     return ContactGeometry(wheel_radius=wheelset.rolling_radius, pairs=(pairs[0], pairs[1]))
 
 
