@@ -143,9 +143,16 @@ class Track:
                 f"rail_distance = {self.rail_distance:g} m is not below the sleeper length of "
                 f"{self.sleeper.length:g} m: give a longer sleeper or a smaller rail distance"
             )
-        for index, entry in enumerate(self.line.supports if self.line and self.sleeper is None else ()):
+        if self.line is not None and self.sleeper is None:
+            self._refuse_ballast(self.line)
+
+    def _refuse_ballast(self, line: Line) -> None:
+        """Raise InputError for what a line of slab track says about ballast."""
+        for index, entry in enumerate(line.supports):
             if entry.gap is not None or entry.ballast_stiffness != 1.0 or entry.ballast_damping != 1.0:
                 raise InputError(f"line.supports.{index} is about ballast, which slab track has none of: leave it out")
+        if line.scatter.ballast_stiffness or line.scatter.ballast_damping:
+            raise InputError("line.scatter is about ballast, which slab track has none of: leave that out")
 
 
 def load_track(source: str | Path | Mapping[str, Any]) -> Track:
