@@ -232,6 +232,8 @@ def test_corrugation_stands_on_its_stretch_or_all_along():
     assert np.sort(waves)[-2] < 1e-6 * waves.max()
     with pytest.raises(InputError, match=r"ramp = 3 m at both ends is more than length = 4 m"):
         dataclasses.replace(part, ramp=3.0)
+    with pytest.raises(InputError, match=r"start = 2 m is that of a stretch without a length: give its length, or no"):
+        dataclasses.replace(part, length=None)
 
 
 def test_overrides_reach_into_each_kind():

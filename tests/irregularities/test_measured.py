@@ -109,6 +109,8 @@ def test_a_rail_begins_where_told_without_its_slope_and_repeats_if_told(tmp_path
     assert (along[:3000] == along[6000:]).all()
     with pytest.raises(InputError, match=r"repeats after 3 m, the line after 10 m: give a line_length of 12 m"):
         rail_heights([repeated], "rail_1", 10_000, DX, Y)
+    with pytest.raises(InputError, match=r"ramp = 1\.6 m at both ends is more than the 2\.999 m of .* give 1\.4995 m"):
+        rail_heights([dataclasses.replace(profile, ramp=1.6)], "rail_1", 10_000, DX, Y)
 
 
 def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):
@@ -132,6 +134,7 @@ def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):
         ({"file": twice}, "two samples at"),
         ({"along": "inch"}, "along = 'inch' is not a known unit"),
         ({"on": "rail_1"}, "along = rad is not of rails"),
+        ({"on": "rail_1", "along": "m", "angle": 1.0}, "angle is of wheels: leave it out for rail_1, and give start"),
         ({"start": 3.0}, "start and repeat are of rails"),
     ):
         with pytest.raises(InputError, match=words) as refusal:

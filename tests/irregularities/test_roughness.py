@@ -61,6 +61,8 @@ def test_a_stretch_of_rail_rises_and_falls_and_leaves_the_rest_smooth():
         ({"level": 80.0}, "level = 80"),
         ({"shortest": 0.03, "longest": 0.02}, "longest = 0.02 m is less than shortest = 0.03 m"),
         ({"on": "wheel_1", "length": 3.0}, "start and length are of rails"),
+        ({"on": "wheel_1", "start": 3.0}, "start and length are of rails"),
+        ({"start": 3.0}, r"start = 3 m is that of a stretch without a length: give its length"),
         ({"length": 3.0, "ramp": 2.0}, "ramp = 2 m at both ends is more than length = 3 m"),
         ({"spectrum": ((0.1, 3.0),)}, "spectrum has one entry"),
         ({"spectrum": ((0.1, 3.0), (-1.0, 2.0))}, r"spectrum\.1\.0 = -1 m is out of range"),

@@ -36,7 +36,7 @@ class Corrugation:
 
     def __post_init__(self) -> None:
         check_shape(self, RAILS)
-        check_stretch(self.length, self.ramp)
+        check_stretch(self.start, self.length, self.ramp)
 
     @property
     def end(self) -> float:

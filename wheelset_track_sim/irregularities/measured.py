@@ -73,6 +73,8 @@ class Profile:
             raise InputError(f"along = {self.along} is not of rails: give m or mm for {self.on}")
         if self.on in WHEELS and (self.start or self.repeat):
             raise InputError(f"start and repeat are of rails: leave them out for {self.on}, and give angle")
+        if self.on in RAILS and self.angle:
+            raise InputError(f"angle is of wheels: leave it out for {self.on}, and give start")
         if not self.table:
             object.__setattr__(self, "table", read_table(shipped.located("measured", self.file)))
         _ = self.samples
@@ -105,13 +107,20 @@ class Profile:
         first = surface.at(self.start)
         if self.repeat:
             if surface.steps % len(heights):
+                length = len(heights) * surface.dx
                 raise InputError(
-                    f"{self.file} repeats after {len(heights) * surface.dx:g} m, the line after {surface.length:g} m: "
-                    f"give a line_length of {math.ceil(surface.steps / len(heights)) * len(heights) * surface.dx:g} m"
+                    f"{self.file} repeats after {length:g} m, the line after {surface.length:g} m: "
+                    f"give a line_length of {math.ceil(surface.steps / len(heights)) * length:.12g} m"
                 )
             heights = np.tile(heights - heights.mean(), (surface.steps // len(heights), 1))
         else:
-            share = part_of(surface, self.start, (len(heights) - 1) * surface.dx, self.ramp).share
+            length = (len(heights) - 1) * surface.dx
+            if 2 * self.ramp > length * (1 + 1e-9):
+                raise InputError(
+                    f"ramp = {self.ramp:g} m at both ends is more than the {length:g} m of {self.file}: "
+                    f"give {length / 2:g} m at most"
+                )
+            share = part_of(surface, self.start, length, self.ramp).share
             heights = (heights - _line(heights)) * share[:, None]
         yield Patch(first, self._across(heights, y))
 

@@ -51,9 +51,9 @@ class Roughness:
 
     def __post_init__(self) -> None:
         check_shape(self, (*WHEELS, *RAILS))
-        check_stretch(self.length, self.ramp)
         if self.on in WHEELS and (self.length is not None or self.start):
             raise InputError(f"start and length are of rails: leave them out for {self.on}, which is rough all around")
+        check_stretch(self.start, self.length, self.ramp)
         if len(self.spectrum) == 1:
             raise InputError("spectrum has one entry: give at least two wavelengths with their levels, or none")
         for number, (wavelength, level) in enumerate(self.spectrum):

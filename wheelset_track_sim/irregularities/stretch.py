@@ -27,9 +27,14 @@ def ramp() -> Any:
     return quantity(RAMP.unit, RAMP.low, RAMP.high, RAMP.meaning, default=0.1)
 
 
-def check_stretch(length: float | None, ramp: float) -> None:
+def check_stretch(start: float, length: float | None, ramp: float) -> None:
     """Raise InputError for a stretch that makes no sense; a ``length`` of None is all of the line."""
     if length is None:
+        if start:
+            raise InputError(
+                f"start = {start:g} m is that of a stretch without a length: give its length, or no start for all of "
+                "the line"
+            )
         return
     refusal = LENGTH.refusal("length", length)
     if refusal:
