@@ -104,7 +104,8 @@ def test_level_of_a_node(monitor, stress, level):
 )
 def test_level_of_the_pace(monitor, factor, lag, level):
     monitor.wanted = 1.0
-    push(monitor, timing=Timing(factor, lag))
+    for _ in range(10):
+        push(monitor, timing=Timing(factor, lag))
     assert levels(monitor.report())["pacing"] == level
 
 
@@ -115,6 +116,33 @@ def test_the_real_time_factor_is_that_of_the_whole_period(monitor):
         push(monitor, timing=Timing(10.0, 0.0))
     found = float(values(monitor.report(), "pacing")["real_time_factor"])
     assert found == pytest.approx(1.0 / (0.1 / 0.1 + 9 * 0.1 / 10), rel=1e-5)
+
+
+def test_one_late_chunk_before_a_report_that_comes_early_is_no_alarm(monitor):
+    monitor.wanted = 1.0
+    for force in (STATIC, 250e3):  # each worse than what was told
+        assert push(monitor, force, timing=Timing(0.45, 0.1))
+        found = monitor.report()
+        assert levels(found)["pacing"] == Level.OK
+        assert values(found, "pacing")["real_time_factor"] == "nan"
+    for _ in range(9):
+        push(monitor)
+    whole = values(monitor.report(), "pacing")["real_time_factor"]
+    assert float(whole) == pytest.approx(1.1 / (0.2 / 0.45 + 0.9), rel=1e-5)  # of all since the start
+    push(monitor, 360e3, timing=Timing(0.4, 0.0))
+    found = monitor.report()  # early again: what was measured last holds
+    assert levels(found)["pacing"] == Level.WARN
+    assert values(found, "pacing")["real_time_factor"] == whole
+
+
+def test_what_was_reached_is_no_answer_to_another_wish(monitor):
+    monitor.wanted = 0.5
+    for _ in range(10):
+        push(monitor, timing=Timing(0.5, 0.0))
+    assert levels(monitor.report())["pacing"] == Level.OK
+    monitor.wanted = 5.0
+    push(monitor, 250e3, timing=Timing(5.0, 0.0))
+    assert levels(monitor.report())["pacing"] == Level.OK
 
 
 def test_as_fast_as_possible_is_never_too_slow(monitor):

@@ -28,6 +28,9 @@ from .status import (
     wheel_status,
 )
 
+SPAN = 0.5
+"""Elapsed time that a real time factor is of at least, s: of one chunk, which may be late, it says nothing."""
+
 
 @dataclass
 class _Window:
@@ -37,6 +40,13 @@ class _Window:
     losses: list[float]
     stresses: list[float]
     lag: float = 0.0
+    empty: bool = True
+
+
+@dataclass
+class _Stretch:
+    """Time over which the real time factor is measured, s; reports that come early do not end it."""
+
     simulated: float = 0.0
     elapsed: float = 0.0
 
@@ -53,8 +63,9 @@ class Monitor:
         """For stress ``nodes``; ``threshold`` is the force that makes an impact, N."""
         self.limits, self.threshold = limits, threshold
         """May change while the run goes on."""
-        self.wanted = 0.0
-        """Real time factor that is wanted; 0 is as fast as possible."""
+        self._wanted = 0.0
+        self._factor = math.nan  # of the last whole stretch
+        self._stretch = _Stretch()
         self._nodes = tuple(nodes)
         self._clock = clock
         self._lock = threading.Lock()
@@ -65,6 +76,17 @@ class Monitor:
         self._seen_at = clock()
         self._levels: list[Level] = []
         self._last: list[Status] = []
+
+    @property
+    def wanted(self) -> float:
+        """Real time factor that is wanted; 0 is as fast as possible."""
+        return self._wanted
+
+    @wanted.setter
+    def wanted(self, factor: float) -> None:
+        with self._lock:
+            if factor != self._wanted:  # what was reached until now is no answer to that
+                self._wanted, self._factor, self._stretch = factor, math.nan, _Stretch()
 
     def push(self, block: SampleBlock, summary: Summary, seen: Seen, timing: Timing, static_force: float) -> bool:
         """Take in a block; whether something is worse now than it was last reported.
@@ -80,9 +102,9 @@ class Monitor:
                 window.stresses[number] = max(window.stresses[number], node.max_principal)
             for impact in seen.impacts:
                 self._impacts[impact.wheel] += 1
-            window.lag = max(window.lag, timing.lag)
-            window.simulated += len(block) * block.step_period
-            window.elapsed += len(block) * block.step_period / timing.real_time_factor
+            window.lag, window.empty = max(window.lag, timing.lag), False
+            self._stretch.simulated += len(block) * block.step_period
+            self._stretch.elapsed += len(block) * block.step_period / timing.real_time_factor
             self._seen_at = self._clock()
             levels = self._levels_now()
             return not self._levels or any(now > told for now, told in zip(levels, self._levels, strict=True))
@@ -90,7 +112,8 @@ class Monitor:
     def report(self) -> list[Status]:
         """Wheels, stress nodes and pace; begins a new period, unless there was no sample since the last report."""
         with self._lock:
-            if self._window.simulated > 0:
+            if not self._window.empty:
+                self._measure()
                 self._levels, self._last = self._levels_now(), self._statuses()
                 self._window = self._empty()
             silence = self._clock() - self._seen_at
@@ -114,12 +137,13 @@ class Monitor:
         forces = [max(pair) for pair in zip(self._window.forces, self._turn.forces, strict=True)]
         return forces, [max(pair) for pair in zip(self._window.stresses, self._turn.principal, strict=True)]
 
-    def _pace(self) -> PaceFigures:
-        window = self._window
-        return PaceFigures(window.simulated / window.elapsed, self.wanted, window.lag)
+    def _measure(self) -> None:
+        """The real time factor, if enough time has passed since the last one."""
+        if self._stretch.elapsed >= SPAN:
+            self._factor, self._stretch = self._stretch.simulated / self._stretch.elapsed, _Stretch()
 
     def _levels_now(self) -> list[Level]:
-        """Levels of forces, stresses and lag; the real time factor of less than a whole period says nothing."""
+        """Levels of forces, stresses and lag; that of the real time factor is known when the period is over."""
         forces, stresses = self._peaks()
         return [
             *(wheel_level(force, self.threshold, self.limits) for force in forces),
@@ -146,7 +170,7 @@ class Monitor:
             for wheel, name in enumerate(WHEELS)
         ]
         nodes = [stress_status(*of, self.limits) for of in zip(self._nodes, stresses, turn, strict=True)]
-        return [*wheels, *nodes, pace_status(self._pace(), self.limits)]
+        return [*wheels, *nodes, pace_status(PaceFigures(self._factor, self._wanted, self._window.lag), self.limits)]
 
     def _stale(self, why: str) -> list[Status]:
         names = [*WHEELS, *(f"stress {node}" for node in self._nodes), "pacing"]

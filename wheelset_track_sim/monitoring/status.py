@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -52,7 +53,7 @@ class PaceFigures:
     """How time is kept."""
 
     real_time_factor: float
-    """Simulated over elapsed time since the last report."""
+    """Simulated over elapsed time of late; NaN if it is not known yet."""
     wanted: float
     """Real time factor that is wanted; 0 is as fast as possible."""
     lag: float
@@ -127,14 +128,15 @@ def stress_status(node: str, peak: float, turn_peak: float, limits: Limits) -> S
 
 def pace_status(pace: PaceFigures, limits: Limits) -> Status:
     """Status of the pace."""
-    told = f"{pace.real_time_factor:.3g} times real time"
+    factor = pace.real_time_factor
+    told = "real time factor not known yet" if math.isnan(factor) else f"{factor:.3g} times real time"
     if pace.wanted > 0:
         told += f" of {pace.wanted:g} wanted, {pace.lag * 1e3:.0f} ms behind"
     return Status(
         "pacing",
         pace_level(pace, limits),
         told,
-        _values(real_time_factor=pace.real_time_factor, wanted_real_time_factor=pace.wanted, lag_s=pace.lag),
+        _values(real_time_factor=factor, wanted_real_time_factor=pace.wanted, lag_s=pace.lag),
     )
 
 
