@@ -14,7 +14,7 @@ from test_packaging import ROOT
 
 from wheelset_track_sim.errors import ContactError, InputError
 from wheelset_track_sim.recording import read
-from wheelset_track_sim.ros.process import Ending, _all, fleet_names
+from wheelset_track_sim.ros.process import Ending, _all, _close, fleet_names
 
 pytestmark = pytest.mark.ros
 
@@ -155,6 +155,21 @@ def test_a_wheelset_that_cannot_go_on_leaves_the_others_running():
 def test_bad_input_of_one_ends_all():
     refusal = InputError("speed = 500")
     assert ended((2, None), (0, refusal)) == ([False, False, True], refusal)
+
+
+def test_all_are_interrupted_before_one_is_waited_for():
+    """The first may wait for models that the last one builds."""
+    told = []
+
+    class Node:
+        def interrupt(self):
+            told.append("interrupt")
+
+        def close(self):
+            told.append("close")
+
+    _close([Node(), Node()])
+    assert told == ["interrupt", "interrupt", "close", "close"]
 
 
 def test_names():

@@ -120,10 +120,14 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         """Begin anew, unconfigured."""
         return self._guarded(self._release, previous)
 
-    def close(self) -> None:
-        """End the run from outside of all callbacks: stop, close the bag."""
+    def interrupt(self) -> None:
+        """Break off what is being built, changed or waited for: the node is about to be closed."""
         self._interrupted = True
         self._time.wake()
+
+    def close(self) -> None:
+        """End the run from outside of all callbacks: stop, close the bag."""
+        self.interrupt()
         with self._transition:  # models that are being built notice
             pass
         with suppress(Exception):  # a state without a way to shut down
@@ -304,7 +308,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         run = self.run
         if run is not None:
             run.end()
-            self._earliest_ns = run.end_ns
+            if run.next_step > 0:
+                self._earliest_ns = run.end_ns
         self.run = None
         self.revisions.detach()
         self._outputs.destroy()

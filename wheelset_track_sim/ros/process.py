@@ -54,8 +54,7 @@ def _run(names: Sequence[str], endings: Endings) -> Exception | None:
                         executor.create_task(node.autostart)
                 failure = _all(endings, nodes)
             finally:
-                for node in nodes:
-                    node.close()
+                _close(nodes)
     return failure or next((node.lost for node in nodes if node.lost is not None), None)
 
 
@@ -79,6 +78,14 @@ def _all(endings: Endings, nodes: Sequence[SimulationNode]) -> Exception | None:
             return first
         nodes[ending.node].close()
     return first
+
+
+def _close(nodes: Sequence[SimulationNode]) -> None:
+    """Close all; none first waits for models that another one builds, or for its change."""
+    for node in nodes:
+        node.interrupt()
+    for node in nodes:
+        node.close()
 
 
 def _names(arguments: Sequence[str]) -> list[str]:
