@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import RecordingError
+from ..errors import InputError, RecordingError
 from ..recording.messages import State, chunk_messages, impact_message, state_message
 from ..recording.origin import state, states
 from ..simulation.block import SampleBlock
@@ -54,6 +54,7 @@ class Run:
         self._next_step = simulator.next_step
         self._told: State | None = None
         self._due = False  # the state, with the next chunk
+        self._over = False  # its topics go
         self._lock = threading.RLock()  # between two chunks: what is told, recorded and remembered of a chunk is whole
 
     @property
@@ -98,12 +99,17 @@ class Run:
     def end(self) -> None:
         """Stop for good; tell what filters and detectors hold back. Ending again does nothing."""
         self._stop()
+        with self._lock:
+            self._over = True
         self._finish()
 
     def start_recording(self, path: Path) -> int:
         """Open a bag; returns the first step that it will hold. Raises InputError."""
         bag = self._recorder.open(path, self.simulator, self.start_ns)  # the stream waits for no disk
         with self._lock:
+            if self._over:  # meanwhile: nobody would close the bag
+                bag.discard()
+                raise InputError("the run is over: start the recording in the next one")
             self._recorder.take(bag)
             self._tell_again()
             return self._next_step
@@ -173,7 +179,7 @@ class Run:
 
     def _tell_again(self) -> None:
         """Tell the state with the next chunk, or at once if there is none on the way."""
-        told = self._told
+        told = None if self._over else self._told
         self._due = told is not None and told.status == RUNNING
         if told is not None and not self._due:
             self._tell(told, told.status, message=told.message)
