@@ -1,5 +1,6 @@
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -96,6 +97,17 @@ def test_a_missing_bag_is_bad_input_in_one_line(
         (line,) = capsys.readouterr().err.splitlines()
         assert line.endswith("give a bag folder or an .mcap file")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
+    assert len(commands) == 11
+    for name, words in commands:
+        with pytest.raises(SystemExit):
+            main([name, "--help"])
+        assert words.lower() in capsys.readouterr().out.lower()
 
 
 INTERRUPTIBLE = """
