@@ -13,6 +13,7 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.measured import Matching, Measurement, compare
 from wheelset_track_sim.measured.reading import read_measurement
 from wheelset_track_sim.measured.resampling import band_limited
+from wheelset_track_sim.recording import blocks as recorded
 from wheelset_track_sim.recording.run_writer import RunWriter
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.block import SampleBlock
@@ -173,3 +174,10 @@ def test_a_bag_is_a_measurement_too(bag: Path, blocks: list[SampleBlock]) -> Non
     found = compare(blocks, measured)
     assert found.lag == pytest.approx(0.0, abs=1e-8)
     assert max(abs(each.mean_error) for each in found.measures) < 1e-3 * 98.1e3
+
+
+def test_a_part_of_a_long_bag_is_enough(bag: Path, blocks: list[SampleBlock]) -> None:
+    step = blocks[0].step_period
+    found = compare(recorded(bag, start=0.02, stop=0.15), synthetic(blocks, 1e4, 5.0), Matching(lag=5.0))
+    assert found.lag == pytest.approx(5.0, abs=1e-7)
+    assert found.at[0] == pytest.approx(300 * step, abs=2e-4)

@@ -62,6 +62,20 @@ def test_uneven_samples_are_evened() -> None:
     np.testing.assert_allclose(found.signals[20:-20], wave(even * 1e3, 0.05)[20:-20], atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("rate", "digits", "start"), [(8e3, 4, 0.1234), (3e3, 4, 1.7e9), (12e3, 5, -3.0), (400.0, 3, 1e4)]
+)
+def test_rounded_stamps_of_even_samples_move_none(rate: float, digits: int, start: float) -> None:
+    """A spline through stamps that are off by a third of a step would make noise of a third of the signal."""
+    at = np.round(start + np.arange(4000) / rate, digits)
+    samples = wave(np.arange(4000.0), 0.3)
+    assert not Measurement(Path("a"), "time", at, {"wheel_1": samples[:, 0]}).even
+    found = evenly(Measurement(Path("a"), "time", at, {"wheel_1": samples[:, 0]}))
+    np.testing.assert_array_equal(found.signals, samples)
+    assert found.step == pytest.approx(1 / rate, rel=1e-5)
+    assert found.start == pytest.approx(start, abs=0.02 / rate + 1e-6)
+
+
 def test_gaps_are_refused() -> None:
     at = np.delete(np.arange(400) * 1e-3, slice(100, 110))
     with pytest.raises(InputError, match=r"gap of 0.011 behind 0.099, 11.0 steps wide"):

@@ -20,6 +20,13 @@ SHORTEST = 16
 """Fewest samples of a measurement."""
 JITTER = 0.01
 """Share of a step by which samples may stand off an even axis and still count as even."""
+ROUNDED = 0.6
+"""Share of their last digit by which rounded places may stand off the even axis that they were: half, and a little for
+the line that is laid through them."""
+DIGITS = range(-3, 10)
+"""Decimal places that are looked for."""
+WHOLE = 0.01
+"""How far a number is off a whole one at most: seconds since 1970 have no more digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,3 +59,25 @@ class Measurement:
     def even(self) -> bool:
         """Whether the samples stand at even distances."""
         return bool(np.abs(self.at - (self.at[0] + self.step * np.arange(len(self.at)))).max() <= JITTER * self.step)
+
+    def even_line(self) -> tuple[float, float] | None:
+        """Start and step, s or m, of the even axis on which the samples stand, or stood before it was rounded.
+
+        A record of 8000 samples a second with four decimals has steps of 0.1 and 0.2 ms, and was sampled evenly. None
+        if it was not.
+        """
+        if self.even:
+            return float(self.at[0]), self.step
+        count = np.arange(len(self.at)) - (len(self.at) - 1) / 2
+        middle = float(self.at.mean())
+        step = float(count @ (self.at - middle)) / float(count @ count)
+        off = float(np.abs(self.at - (middle + step * count)).max())
+        return (middle + step * float(count[0]), step) if off <= ROUNDED * self._last_digit() else None
+
+    def _last_digit(self) -> float:
+        """The largest power of ten below a step that all places are multiples of, s or m; 0 if there is none."""
+        for digits in DIGITS:
+            scaled = self.at * 10.0**digits
+            if 10.0**-digits < self.step and np.abs(scaled - np.round(scaled)).max() < WHOLE:
+                return float(10.0**-digits)
+        return 0.0

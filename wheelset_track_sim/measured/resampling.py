@@ -57,8 +57,8 @@ def evenly(measurement: Measurement, widest: float = WIDEST) -> Even:
     """
     at, step = measurement.at, measurement.step
     signals = np.stack([*measurement.signals.values()], axis=-1)
-    if measurement.even:
-        return Even(float(at[0]), step, signals)
+    if line := measurement.even_line():
+        return Even(*line, signals)
     widths = np.diff(at)
     typical = float(np.median(widths))
     place = int(widths.argmax())
