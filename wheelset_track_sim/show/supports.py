@@ -49,7 +49,7 @@ def draw_supports(axes: Axes, track: Track, kind: str) -> None:
     axes.margins(y=0.15)
     axes.set_xlim(-0.5, len(sleepers) - 0.5)
     axes.set_xlabel("sleeper")
-    axes.set_ylabel(f"{kind} stiffness\na rail (MN/m)")
+    axes.set_ylabel(f"{kind} stiffness\nper rail (MN/m)")
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False, fontsize=9, borderaxespad=0.2)
 
 
