@@ -3,6 +3,7 @@
 import csv
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,22 @@ def test_no_peak_falls_between_frequencies(drawn, reduced) -> None:
 
 
 @pytest.mark.slow
+def test_labels_of_neighbouring_peaks_stand_apart() -> None:
+    frequencies = np.geomspace(1.0, 2500.0, 5001)
+    peaks = [205.0, 407.0, 1574.0, 1912.0]
+    heights = [1.4e4, 3e4, 1.5e4, 6e3]
+    values = sum(h / (1 + (500 * np.log(frequencies / f)) ** 2) for h, f in zip(heights, peaks, strict=True))
+    with drawing.new_figure(3.6, "", "") as figure:
+        axes = figure.subplots()
+        axes.loglog(frequencies, values)
+        axes.set(xlim=(1.0, 2500.0), ylim=(1e-2, 1e5))
+        assert drawing.label_peaks(axes, frequencies, values, 4) == pytest.approx(peaks, rel=1e-3)
+        figure.canvas.draw()
+        boxes = [text.get_window_extent() for text in axes.texts]
+    for box, other in pairwise(boxes):
+        assert not box.overlaps(other)
+
+
 def test_green_functions_of_the_wheelset(drawn) -> None:
     table = drawn.table(wheelset_receptances, "wheelset_green_functions")
     assert table["time (s)"][-1] == pytest.approx(1.0, abs=4e-5)

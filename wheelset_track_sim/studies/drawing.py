@@ -32,6 +32,8 @@ DOTS = 125
 NOTE = 150
 """Letters in a line of the note below a figure."""
 QUIET = "#5a5a5f"
+BESIDE = 1.3
+"""Ratio of frequencies below which a peak's label begins at the peak: it stands clear of that of the peak before."""
 
 
 @dataclass(frozen=True)
@@ -137,13 +139,13 @@ def label_peaks(axes: Axes, frequencies: Real, values: Real, count: int) -> list
     axes.set_ylim(top=5 * values.max())
     inner = np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:])) + 1
     highest = np.sort(inner[np.argsort(values[inner])[-count:]])
-    for index in highest:
+    for before, index in zip([0, *highest[:-1]], highest, strict=True):
         axes.annotate(
             f"{frequencies[index]:.0f}\nHz",
             (frequencies[index], values[index]),
             xytext=(0, 3),
             textcoords="offset points",
-            ha="center",
+            ha="center" if frequencies[index] > BESIDE * frequencies[before] else "left",
             fontsize=8.5,
             linespacing=0.95,
         )
