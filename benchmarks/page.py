@@ -266,13 +266,16 @@ def more(r: Results) -> str:
             for who in ("alone", "with a subscriber")
         ),
         *((f"cold start, nothing cached, {n}", _seconds(r.best(f"test_with_nothing[{n}]"), 15)[0]) for n in CORES),
-        *((f"{run['wheelsets']} wheelsets on two cores, in memory", _in_real_time(run)) for run in fleets),
+        *((f"fleet of {run['wheelsets']} on two cores, in memory", _in_real_time(run)) for run in fleets),
         *(
-            (f"{run['wheelsets']} nodes in a process, each", f"{100 * run['share_of_core']:.1f} % of a core")
+            (f"fleet of {run['wheelsets']} nodes in a process", f"{100 * run['share_of_core']:.1f} % of a core each")
             for run in nodes
         ),
         *(
-            (f"{run['wheelsets']} wheelsets over so many times one", f"{number(run['ratio'], 2)} × time")
+            (
+                f"time of a fleet of {run['wheelsets']} over {run['wheelsets']} times that of one",
+                number(run["ratio"], 2),
+            )
             for run in costs
         ),
         *(
@@ -284,7 +287,7 @@ def more(r: Results) -> str:
 
 
 def _in_real_time(run: dict[str, Any]) -> str:
-    return f"{number(run['in_real_time'], 0)} in real time"
+    return f"{number(run['in_real_time'], 0)} wheelsets in real time"
 
 
 def _span(r: Results, name: str) -> str:

@@ -154,8 +154,9 @@ def section(causal: Found, paper: Found, smooth: tuple[Passage, Passage]) -> str
         "Standing above a sleeper, from Bloch waves, the loss being the integral of G over t < 0:",
         table(["band", "G(0), 10⁻⁶ m/(N s)", "G(0) / G(0+)", "lost before t = 0, 10⁻¹⁰ m/N"], limits, (0, 2, 2, 2)),
         "*Folding* puts what came before t = 0 onto t > 0 (cosine transform), which is exact but for what lies above "
-        f"the band. *Creep* is what rail and wheel have given way {number(EARLY * 0.036, 2)} ms after the begin of a "
-        "constant unit force above a sleeper, local contact excluded. Case 2 of Table 3; 1 and 2 are the wheels; "
+        f"the band. *Creep* is what rail and wheel have given way {number(EARLY * 0.036, 2)} ms after the beginning "
+        "of a constant unit force above a sleeper, local contact excluded (it has nothing to do with creepage). "
+        "Case 2 of Table 3; 1 and 2 are the wheels; "
         "*lost* is the time without contact.",
         "Causal dynamics (modes of wheelset and track):",
         _table(causal),
