@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
@@ -11,6 +12,9 @@ from rclpy.executors import SingleThreadedExecutor
 from ..errors import InputError
 from .replay import ReplayNode
 from .session import Ending, next_ending, own_arguments, session, spinning
+
+FAREWELL = 0.5
+"""Time for who asked last, such as for ``stop``, to take the answer, s: what is not taken goes with its sender."""
 
 
 def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
@@ -30,7 +34,9 @@ def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
         with spinning(executor):
             try:
                 node.begin()
-                failure = next_ending(endings).failure
+                by, failure = next_ending(endings)
+                if by is not None:
+                    time.sleep(FAREWELL)
             finally:
                 node.close()
     if failure is not None:
