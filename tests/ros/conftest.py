@@ -152,27 +152,41 @@ class Client:
     def call(self, service, kind, again=True, **fields):
         """Answer of a service of the node.
 
-        The middleware loses the answer to a client that the node has not discovered yet: ``again`` asks again then,
-        otherwise the answer is None.
+        The middleware loses the answer to a client that the node has not discovered yet: ``again`` asks again then.
+        Otherwise the node is asked for something else until it has, and no answer is None.
         """
         if service not in self.clients:
             self.clients[service] = self.node.create_client(kind, f"{self.name}/{service}")
-        client = self.clients[service]
+            if not again:
+                self.meet()
+        asked = self.ask(self.clients[service], kind.Request(**fields), ANSWER, again)
+        assert asked or not again, f"{service} did not answer"
+        return asked[0] if asked else None
+
+    def meet(self):
+        """Wait until the node knows all clients made so far: it learns of them in the order in which they were made."""
+        from rcl_interfaces.srv import GetParameters
+
+        newest = self.node.create_client(GetParameters, f"{self.name}/get_parameters")
+        assert self.ask(newest, GetParameters.Request(), 1.0, again=True), "the node did not answer"
+
+    def ask(self, client, request, patience, again):
+        """The answer of a service, or nothing; ``again`` asks again each time that ``patience`` is over."""
         limit = time.monotonic() + PATIENCE
         while not client.wait_for_service(1.0):
             self.check_nodes()
-            assert time.monotonic() < limit, f"there is no service {service}"
+            assert time.monotonic() < limit, f"there is no service {client.srv_name}"
         while time.monotonic() < limit:
             answered = threading.Event()
-            future = client.call_async(kind.Request(**fields))
+            future = client.call_async(request)
             future.add_done_callback(lambda _, answered=answered: answered.set())
-            if answered.wait(ANSWER):
-                return future.result()
+            if answered.wait(patience):
+                return [future.result()]
             self.check_nodes()
             client.remove_pending_request(future)
             if not again:
-                return None
-        pytest.fail(f"{service} did not answer")
+                break
+        return []
 
     def trigger(self, service):
         """Answer of a service without arguments."""
