@@ -176,6 +176,17 @@ def test_names_from_a_bag_are_shown_as_they_are(tmp_path, run_info, run_blocks, 
     assert name in out or command == "recover"
 
 
+def test_a_run_without_stress_nodes_has_a_report_too(tmp_path, run_info, make_block, capsys):
+    bag = tmp_path / "run.mcap"
+    with BagWriter(bag, run_info, start_ns=0) as writer:
+        writer.write(make_block(0, 1389, nodes=()))
+    assert main(["report", str(bag)]) == 0
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert "contact force (kN)" in page
+    assert 'id="spectrum-plots"' in page
+    assert "principal stress" not in page
+
+
 @pytest.mark.slow
 def test_a_long_run_makes_a_small_page(make_survey, tmp_path):
     spikes = [(1.8 + 2.713 * turn, 250e3 + 100.0 * turn) for turn in range(400)]

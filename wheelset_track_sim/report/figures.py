@@ -39,11 +39,12 @@ def plot_run(run: Survey, path: Path) -> Path:
     """
     with rc_context(STYLE):
         figure = Figure(figsize=(9.6, 6.4), dpi=125, layout="constrained")
-        top, bottom = figure.subplots(2, 1, sharex=True)
+        axes = figure.subplots(2 if run.nodes else 1, 1, sharex=True, squeeze=False)[:, 0]
         part = detail(run)
-        draw_forces(top, run, part)
-        draw_stresses(bottom, run, part)
-        top.set_xlabel("")
+        draw_forces(axes[0], run, part)
+        if run.nodes:
+            axes[0].set_xlabel("")
+            draw_stresses(axes[1], run, part)
         title = f"{run.info.scenario_name}: {description(run)}"
         figure.suptitle(title, fontsize=11, x=0.01, ha="left", parse_math=False)
         return write_png(figure, path)

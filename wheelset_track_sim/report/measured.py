@@ -66,7 +66,7 @@ def drawn(at: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDArray
     size = -(-2 * len(at) // MOST)
     if size <= 2:
         return at, values
-    bins = len(at) // size
-    parts = values[: bins * size].reshape(bins, size, -1)
-    both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).reshape(2 * bins, -1)
-    return at[: bins * size].reshape(bins, size)[:, [0, size // 2]].ravel(), both
+    starts = np.arange(0, len(at), size)  # the last stretch may be shorter
+    both = np.stack([np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)], axis=1)
+    middles = (starts + np.append(starts[1:], len(at))) // 2
+    return at[np.stack([starts, middles], axis=1)].ravel(), both.reshape(2 * len(starts), -1)

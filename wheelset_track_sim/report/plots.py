@@ -67,9 +67,11 @@ def time_plots(run: Survey) -> LayoutDOM:
     if not math.isnan(run.wheel_load):
         forces.add_layout(Span(location=run.wheel_load / 1e3, dimension="width", **MARK))
     _mark_impacts(forces, run)
-    stresses = over_an_axis("max. principal stress (MPa)", time, 320)
-    curves(stresses, shown, range(WHEELS, len(names)), names, "MPa")
-    plots = [forces, stresses]
+    plots = [forces]
+    if run.nodes:
+        stresses = over_an_axis("max. principal stress (MPa)", time, 320)
+        curves(stresses, shown, range(WHEELS, len(names)), names, "MPa")
+        plots.append(stresses)
     if len(run.speeds) > 1:
         speed = over_an_axis("speed (km/h)", time, 180)
         since, speeds = zip(*run.speeds, strict=True)
@@ -113,6 +115,8 @@ def spectrum_plots(run: Survey, spectrum: Spectrum, marks: Iterable[tuple[float,
         ("contact force (kN²/Hz)", "kN²/Hz", range(WHEELS)),
         ("max. principal stress (MPa²/Hz)", "MPa²/Hz", range(WHEELS, len(names))),
     ):
+        if not part:
+            continue
         high = float(density[:, part].max())
         plot = figure(
             x_axis_type="log",
