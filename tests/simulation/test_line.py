@@ -7,6 +7,7 @@ from conftest import advance_to
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.line import LineModel
+from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.structures.track import load_track
 from wheelset_track_sim.structures.track_line import track_line
@@ -48,6 +49,16 @@ def test_slab_track_gives_the_forces_of_causal_dynamics() -> None:
     line = forces_of(on_line("slab_track", "slab_60e1"), 1300)
     causal = forces_of(load_scenario("slab_track"), 1300)
     assert np.abs(line - causal).max() < 0.0025 * STATIC
+
+
+@pytest.mark.parametrize("step", [-5100, -6900, -8700, -5099, -300, 0, 900])
+def test_a_run_begins_in_equilibrium_wherever_it_begins(step: int) -> None:
+    """In the middle between two sleepers, too, which 5.1 m, 6.9 m and 8.7 m are but for their last bit."""
+    model = load_models(on_line()).dynamics
+    assert isinstance(model, LineModel)
+    line = model.start(STATIC, step, 1e-3, 5.1)
+    deflection = line.coming[1] + line.rail_compliance[0] * STATIC
+    assert deflection == pytest.approx(model.line.compliance([step * 1e-3])[0] * STATIC, rel=0.01)
 
 
 def eventful(chunk: int) -> list:

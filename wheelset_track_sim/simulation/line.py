@@ -18,7 +18,6 @@ from the predictor of the step. The sleepers' own weight is left out.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -62,13 +61,14 @@ class LineModel(RunningWheelset):
         Hanging sleepers begin as if they lay on their ballast.
         """
         steps = line_steps(self.line, self.residual, dx, speed)
+        sleeper = (step + len(steps.own) // 2) // len(steps.own)
         state = self.standing(wheel_load, dx / speed)
         coming = np.zeros((2, 2))
         coming[0] = (self.wheelset.outputs @ state).real
         bays = Bays(
             coming=coming,
             rail_compliance=np.zeros(1),
-            deflection=_standing(self.line, step * dx, wheel_load),
+            deflection=_standing(self.line, sleeper, step * dx, wheel_load),
             velocity=np.zeros(ROWS * COLUMNS),
             acceleration=np.zeros(ROWS * COLUMNS),
             load=np.zeros(ROWS * COLUMNS),
@@ -76,7 +76,7 @@ class LineModel(RunningWheelset):
             window=np.zeros(FACTORS * COLUMNS),
             hub=np.zeros((12, 12)),
             push=np.ones(7 + 3 * RAIL_MODES),
-            at=np.array([(step + len(steps.own) // 2) // len(steps.own), 0]),
+            at=np.array([sleeper, 0]),
             parts=line_parts(self.line, dx),
             steps=steps,
         )
@@ -143,9 +143,9 @@ def _mean_compliance(line: TrackLine) -> Real:
     return np.asarray(line.compliance(np.arange(2 * line.bays) * (line.track.spacing / 2)).mean(axis=0))
 
 
-def _standing(line: TrackLine, x: float, wheel_load: float) -> Real:
-    """Deflections (ROWS COLUMNS,) of the bays around ``x`` m under loads there."""
-    first = math.floor(x / line.track.spacing + 0.5) - MIDDLE
+def _standing(line: TrackLine, sleeper: int, x: float, wheel_load: float) -> Real:
+    """Deflections (ROWS COLUMNS,) of the bays around ``sleeper`` under loads at ``x`` m, at most half a bay from it."""
+    first = sleeper - MIDDLE
     K = line.matrices(first, COLUMNS)[2]
     rows = line.rows(x, 0, first, COLUMNS) + line.rows(x, 1, first, COLUMNS)
     load = rows.toarray()[0] * wheel_load
