@@ -63,7 +63,8 @@ def test_speed_plans_are_lists_like_others() -> None:
         ("name=", ["name"]),
         ("acceleration=0", ["acceleration = 0 m/s^2", "from 0.01 to 10 m/s^2"]),
         ("acceleration=.inf", ["acceleration", "not finite"]),
-        ("speed_plan=30", ["speed_plan", "not a list"]),
+        ("name=3", ["name = 3", "give a text"]),
+        ("speed_plan=30", ["speed_plan", "not a list: put its entries in brackets"]),
         ("speed_plan=[{time: 1}]", ["speed_plan.0.speed is missing"]),
         ("speed_plan=[{time: 1, speed: 300}]", ["speed_plan.0.speed = 300 m/s", "from 5 to 100 m/s"]),
         ("speed_plan=[{time: -1, speed: 30}]", ["speed_plan.0.time = -1 s"]),
@@ -81,7 +82,13 @@ def test_bad_changes_are_refused_by_name(change: str, words: list[str]) -> None:
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("speed: [", "not YAML"), ("- 1", "not a mapping"), ("name: x", "speed is missing"), ("\x00", "not YAML")],
+    [
+        ("speed: [", "not YAML"),
+        ("- 1", "not a mapping"),
+        ("name: x", "speed is missing"),
+        ("\x00", "not YAML"),
+        ("speed: 30\nspeed: 40\n", r"case.yaml, line 2: .*\"speed\".*: give it once$"),
+    ],
 )
 def test_bad_files_are_refused(tmp_path: Path, text: str, words: str) -> None:
     path = tmp_path / "case.yaml"

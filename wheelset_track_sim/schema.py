@@ -126,6 +126,13 @@ def unknown(what: str, where: str, name: str, known: Sequence[str]) -> str:
     return f"{where} is not a known {what}: {hint}known are {', '.join(known) or 'none'}"
 
 
+PLAIN: dict[Any, str] = {
+    int: "a whole number",
+    bool: "true or false",
+    str: "a text, in quotes if it looks like a number",
+}
+
+
 @cache
 def _hints(owner: Any) -> dict[str, Any]:
     return {name: hint for name, hint in typing.get_type_hints(owner).items() if name in owner.__dataclass_fields__}
@@ -142,7 +149,7 @@ def _value(hint: Any, data: Any, where: str) -> Any:
         return _one_of(arguments, data, where)
     if origin is tuple:
         if isinstance(data, str) or not isinstance(data, Sequence):
-            raise InputError(f"{where} = {data!r} is not a list")
+            raise InputError(f"{where} = {data!r} is not a list: put its entries in brackets, or a dash before each")
         if arguments[1:] != (...,) and len(data) != len(arguments):
             raise InputError(f"{where} has {len(data)} entries: give {len(arguments)}")
         hints = [arguments[0]] * len(data) if arguments[1:] == (...,) else arguments
@@ -155,10 +162,10 @@ def _value(hint: Any, data: Any, where: str) -> Any:
         return _one_of((hint,), data, where) if hasattr(hint, "type") else read(hint, data, where)  # type: ignore[arg-type]
     if hint is float:
         if isinstance(data, bool) or not isinstance(data, (int, float)) or not math.isfinite(data):
-            raise InputError(f"{where} = {data!r} is not a finite number")
+            raise InputError(f"{where} = {data!r} is not a finite number: give one")
         return float(data)
     if hint in (int, bool, str) and type(data) is not hint:
-        raise InputError(f"{where} = {data!r} is not of type {hint.__name__}")
+        raise InputError(f"{where} = {data!r} is not of type {hint.__name__}: give {PLAIN[hint]}")
     return data
 
 

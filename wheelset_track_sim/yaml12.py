@@ -7,6 +7,7 @@ from io import StringIO
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
 
@@ -30,6 +31,9 @@ def parse(text: str, where: str, *, trusted: bool = True) -> Any:
         raise
     except RecursionError:
         raise InputError(f"{where} is nested too deeply: give a flatter one") from None
+    except DuplicateKeyError as reason:
+        line = f", line {reason.problem_mark.line + 1}" if reason.problem_mark else ""
+        raise InputError(f"{where}{line}: {reason.problem}: give it once") from None
     except YAMLError as reason:
         raise InputError(f"{where} is not YAML ({' '.join(str(reason).split())}): correct it there") from None
     except ValueError as reason:  # a date or number that looks like one and is none
