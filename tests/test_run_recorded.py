@@ -45,6 +45,8 @@ def test_snapshots_of_impacts(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     capsys.readouterr()
     snapshots = [*(tmp_path / "run").iterdir()]
     assert len(snapshots) == 2  # the second is open for a second behind its impact, until the run ends
+    assert main(["info", str(tmp_path / "run")]) == 2
+    assert f"give a bag folder or an .mcap file, such as {min(snapshots)}\n" in capsys.readouterr().err
     for path in snapshots:
         found = read(path)
         step = int(path.name.rpartition("_")[2])

@@ -96,14 +96,18 @@ def test_a_gap_is_told_once_with_summaries_or_without(tmp_path, run_info, run_bl
 
 
 @pytest.mark.parametrize("summaries", [True, False])
-def test_steps_that_come_again_count_once_and_are_told(bag, tmp_path, summaries):
-    """As when ``ros2 bag record`` goes on while the node is reset."""
-    messages = [m for m in stored(bag / "run_0.mcap") if summaries or "Summary" not in m.schema.name]
-    found = overview(copied(tmp_path / "twice.mcap", messages, messages))
+def test_another_run_does_not_count_and_is_told(bag, tmp_path, summaries):
+    """As when ``ros2 bag record`` goes on while the node is reset: the second run goes on where the first one ended."""
+    runs = [*(stored(file) for file in sorted(bag.glob("*.mcap")))]
+    first, rest = ([m for m in run if summaries or "Summary" not in m.schema.name] for run in runs)
+    path = copied(tmp_path / "twice.mcap", first, first, rest)
+    again = "twice.mcap: steps from 0 on come again after step 1389: all that follows is left out"
+    found = overview(path)
     assert (found.steps, found.first_step) == (1390, 0)
-    assert not found.complete
-    again = "steps from 0 on come again after step 1389, and are left out"
-    assert str(found.losses[0]) == f"twice.mcap: {again}"
+    assert [str(loss) for loss in found.losses] == [again]
+    losses = []
+    assert len(read(path, lost=losses.append)) == 1390
+    assert [str(loss) for loss in losses] == [again]
 
 
 def test_a_bag_of_two_wheelsets_is_refused(tmp_path, run_info, run_blocks, make_state, capsys):

@@ -20,7 +20,9 @@ def files_of(path: Path) -> tuple[Path, ...]:
         return (path,)
     files = sorted(path.glob("*.mcap"), key=lambda file: (_number(file.name), file.name))
     if not files:
-        raise NoBagError(f"{path} holds no .mcap file: give a bag folder or an .mcap file")
+        inside = min((file.parent for file in path.glob("*/*.mcap")), default=None)  # of snapshots, of recordings
+        such = f", such as {inside}" if inside else ""
+        raise NoBagError(f"{path} holds no .mcap file: give a bag folder or an .mcap file{such}")
     return tuple(files)
 
 

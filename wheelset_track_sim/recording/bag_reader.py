@@ -98,7 +98,9 @@ class Bag:
                 self._tell(groups.incomplete(WAITING) if self.lost else ())
             elif window.over(block.first_step, block.time):
                 break
-            elif window.touches(block) and (before is None or self._follows(before, block)):
+            elif window.touches(block):
+                if before is not None and not self._follows(before, block):
+                    break
                 yield block
                 before = block
         else:

@@ -18,8 +18,9 @@ class Damage:
 
     @classmethod
     def again(cls, file: str, step: int, end_step: int) -> Damage:
-        """Samples from a step on that are in the bag already, up to before ``end_step``."""
-        return cls(file, 0, 0, f"steps from {step} on come again after step {end_step - 1}, and are left out")
+        """Another run, as after a reset: it begins before ``end_step``, the end of the first one."""
+        words = f"steps from {step} on come again after step {end_step - 1}: all that follows is left out"
+        return cls(file, 0, 0, words)
 
     @property
     def what(self) -> str:

@@ -79,6 +79,8 @@ class _Total:
         self.first: _Piece | None = None
         self.steps, self.duration = 0, 0.0
         self.summary: Summary | None = None
+        self.over = False
+        """Whether another run has begun, which does not count."""
         self._bag, self._losses = bag, losses
         self._end = 0, 0.0
 
@@ -88,6 +90,7 @@ class _Total:
             self.first = piece
         elif piece.first_step < self._end[0]:
             self._losses.append(Damage.again(self._bag, piece.first_step, self._end[0]))
+            self.over = True
             return
         elif gap := Gap.between(*self._end, piece.first_step, piece.time):
             self._losses.append(gap)
@@ -115,7 +118,7 @@ def overview(path: str | Path) -> Overview:
         topic, kind = stored.message.channel.topic, kind_of(stored.message.schema)
         counts[topic] += 1
         types.setdefault(topic, stored.message.schema.name)
-        told = source.told(stored) if kind in SMALL else None
+        told = source.told(stored) if kind in SMALL and not total.over else None
         if told is None:
             continue
         start_ns = start_of(told.message) if start_ns is None else start_ns
