@@ -34,7 +34,8 @@ class Measurement:
     """Signals by name; the names are those of the simulation.
 
     ``wheel_1`` and ``wheel_2`` are contact forces in N, positive in compression; the name of a stress node is its
-    maximum principal stress, with ``_xx`` to ``_yz`` behind it a component, in Pa.
+    maximum principal stress, with ``_xx`` to ``_yz`` behind it a component, in Pa. InputError for too few samples, for
+    numbers that are not finite and an axis that does not increase.
     """
 
     source: Path
@@ -49,6 +50,18 @@ class Measurement:
             raise InputError(f"{self.source} has {len(self.at)} samples: give at least {SHORTEST}")
         if not self.signals:
             raise InputError(f"{self.source} has no signal: give wheel_1, wheel_2 or a stress node")
+        for name, values in {self.axis: self.at, **self.signals}.items():
+            if len(lost := np.flatnonzero(~np.isfinite(values))):
+                raise InputError(
+                    f"{self.source}: {name} of sample {lost[0]} is {values[lost[0]]}: give finite numbers, or a part "
+                    "that has them"
+                )
+        back = np.flatnonzero(np.diff(self.at) <= 0)
+        if len(back):
+            raise InputError(
+                f"{self.source}: {self.axis} of sample {back[0] + 1} is not behind that before it: give an axis that "
+                "increases"
+            )
 
     @property
     def step(self) -> float:
