@@ -43,6 +43,8 @@ class NodeProcess:
         given = [item for name, value in parameters.items() for item in ("-p", f"{name}:={value}")]
         if given:
             command += ["--ros-args", *given]
+        self.ended = False
+        """Whether the test knows that it has ended."""
         self.process = subprocess.Popen(
             command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
         )
@@ -59,12 +61,13 @@ class NodeProcess:
         except subprocess.TimeoutExpired:
             self.process.send_signal(signal.SIGABRT)  # the fault handler tells where it hangs
             pytest.fail("the node did not end:\n" + "\n".join(self.process.communicate()))
+        self.ended = True
         return self.process.returncode
 
 
 @pytest.fixture
 def running():
-    """Nodes that the test has started and not yet seen end."""
+    """Nodes that the test has started."""
     return []
 
 
@@ -146,7 +149,7 @@ class Client:
 
     def check_nodes(self):
         for node in self.running:
-            if node.process.poll() is not None:
+            if not node.ended and node.process.poll() is not None:
                 pytest.fail(f"the node ended with status {node.wait()}: {node.errors}")
 
     def call(self, service, kind, again=True, **fields):

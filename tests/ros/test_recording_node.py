@@ -168,12 +168,11 @@ def test_a_bag_that_is_taken_away_is_told(start, recordings, tmp_path):
     assert len(read(tmp_path / "run")) > 5000
 
 
-def test_a_killed_node_leaves_all_but_the_last_moment(start, recordings, running, tmp_path):
+def test_a_killed_node_leaves_all_but_the_last_moment(start, recordings, tmp_path):
     bag = {"record__directory": tmp_path, "record__on_start": "true", "record__name": "run"}
     # Without memory shared with others, which nobody takes away behind a process that is killed.
     node = start(scenario="damage_wheel_1", env={"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}, **bag)
     recordings.run_on(1.0)
-    running.remove(node)
     node.process.kill()
     node.wait()
     last = recordings.forces[-1]

@@ -56,7 +56,7 @@ def clocks_of(client):
     return found
 
 
-def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_client, running, tmp_path):
+def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_client, tmp_path):
     """What was heard of a running node is heard again, bit by bit, and all else that its bag holds."""
     forces = client.collect("contact_forces", "ContactForces")
     where = {"record__directory": tmp_path, "record__name": "live", "record__on_start": "true"}
@@ -67,7 +67,6 @@ def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_clie
     seen = len(forces)
     client.until(lambda: len(forces) >= seen + 10)
     assert node.signal(signal.SIGINT) == 0
-    running.clear()
     stored, live = by_topic(recorded(tmp_path / "live")), [*forces]
 
     listener = Subscriber(make_client("listener"), tmp_path / "live")
@@ -174,7 +173,9 @@ def test_current_stamps_go_on_through_loops_and_the_clock_with_them(play, client
     assert sum(abs(step - max(spans)) > 2 for step in steps) <= sum(chunk.first_step == 0 for chunk in forces)
     assert {stamp_ns(message) for message in stress[1:-1]} <= {*stamps, *(stamp + max(spans) for stamp in stamps)}
     assert ticks == sorted(ticks)
-    assert {*stamps[1:-1]} <= {tick - span for tick in ticks for span in spans}
+    told = [tick for tick in ticks if stamps[1] < tick < stamps[-1]]  # a queue of one tick may lose some
+    assert {*told} <= {stamp + span for stamp in stamps for span in spans}
+    assert len(told) > 3
     assert forces[0].time < 0.4  # all else is as recorded
 
 

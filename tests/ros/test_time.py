@@ -203,7 +203,6 @@ def test_node_cannot_follow_its_own_clock(start, client):
     assert both.wait() == 2
     assert "publish_clock" in both.errors
     assert len(both.errors.strip().splitlines()) == 1
-    client.running.clear()
     start(scenario="undamaged", publish_clock="true", autostart="false")
     result = client.set(use_sim_time=True)
     assert not result.successful

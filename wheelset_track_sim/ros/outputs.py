@@ -14,6 +14,7 @@ from ..recording.rosbag2_metadata import DEPTH, LATCHED_TOPICS
 from ..simulation.block import SampleBlock
 from ..simulation.decimation import BlockDecimator
 from .conversions import message_type
+from .farewell import wait_for_subscribers
 
 
 class Outputs:
@@ -72,7 +73,8 @@ class Outputs:
             self._publishers[message.topic].publish(message.cdr)
 
     def destroy(self) -> None:
-        """Take the publishers away."""
+        """Take the publishers away, when what they sent has arrived."""
+        wait_for_subscribers(self._publishers.values())
         for topic, publisher in self._publishers.items():
             if topic in LATCHED_TOPICS:
                 self._node.destroy_publisher(publisher)

@@ -45,6 +45,7 @@ def _run(names: Sequence[str], endings: Endings) -> Exception | None:
             num_threads=2 * len(nodes) + 2
         )  # a change and a transition of each may take long
         stack.callback(executor.shutdown)
+        stack.callback(executor._executor.shutdown)  # before: a callback still queued then would raise, and say so
         for node in nodes:
             executor.add_node(node)
         with spinning(executor):

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
-from rclpy.duration import Duration
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -26,13 +25,12 @@ from ..replay.selection import Selection
 from ..replay.stamps import Restamping, stamp_of, with_stamp
 from ..replay.topics import CLOCK, Topic
 from .clock import NodeClock
+from .farewell import wait_for_subscribers
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
 from .serving import answer_always
 
 NAME = PREFIX.strip("/")
-FAREWELL = Duration(seconds=1)
-"""Bound on the wait for subscribers to have what was published last."""
 
 
 class ReplayNode(Node):  # type: ignore[misc]
@@ -171,8 +169,7 @@ class ReplayNode(Node):  # type: ignore[misc]
 
     def _on_end(self, failure: Exception | None) -> None:
         """In the player's thread: the bag is over, or cannot be played on."""
-        for publisher in self._outlets.values():
-            publisher.wait_for_all_acked(FAREWELL)
+        wait_for_subscribers(self._outlets.values())
         kept = self.player.punctuality
         self.get_logger().info(f"played {kept.messages} messages, at most {1e3 * kept.worst:.1f} ms late")
         self._end(failure)
