@@ -142,10 +142,14 @@ class Client:
     def until(self, condition):
         """Wait until a condition on what was collected holds."""
         limit = time.monotonic() + PATIENCE
+        while not self.hears(condition):
+            self.check_nodes()
+            assert time.monotonic() < limit, "it did not come true in time"
+
+    def hears(self, condition):
+        """Whether a condition on what was collected comes true within a second."""
         with self.arrived:
-            while not self.arrived.wait_for(condition, 1.0):
-                self.check_nodes()
-                assert time.monotonic() < limit, "it did not come true in time"
+            return self.arrived.wait_for(condition, 1.0)
 
     def check_nodes(self):
         for node in self.running:

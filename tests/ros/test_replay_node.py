@@ -113,7 +113,7 @@ def test_controls(play, client, bag):
     replay = play(bag, "--start-paused", "--rate", 0)
     first = client.trigger("play_next")
     assert (first.success, first.message) == (True, "paused at 0.035 s")
-    while not forces:  # until the replay knows who listens
+    while not client.hears(lambda: forces):  # until the replay knows who listens
         assert client.trigger("play_next").success
     samples = len(forces[0].wheel_1)
 
