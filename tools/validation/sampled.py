@@ -175,6 +175,11 @@ class SampledModel:
         """As of the model, s."""
         return self.model.longest_run
 
+    @property
+    def longest_step(self) -> float:
+        """As of the model, s."""
+        return self.model.longest_step
+
     @cached_property
     def static(self) -> Real:
         """Displacement (L,), m/N, under a unit load on each wheel, without the first values."""

@@ -26,6 +26,11 @@ class DynamicsModel(Protocol):
         """Bound on a run, settling included, s."""
         ...
 
+    @property
+    def longest_step(self) -> float:
+        """Bound on the time of a step, s."""
+        ...
+
     def preload(self, wheel_load: float, dx: float, speed: float) -> NDArray[np.float64]:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         ...

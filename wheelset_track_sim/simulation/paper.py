@@ -7,6 +7,7 @@ set to zero (Section 2.3), that of the rail's is kept or not (``scenario.LAG_ZER
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -68,6 +69,7 @@ class PaperModel:
     """Bays over which the rail's response is followed."""
     changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
+    longest_step: ClassVar[float] = math.inf
 
     @on_one_core
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:

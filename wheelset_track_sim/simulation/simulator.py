@@ -57,6 +57,7 @@ class Simulator:
         begins that does not begin with step 0, with the speed that is run at and the one that is approached.
         """
         self._models: Models = models or load_models(scenario, progress)
+        self._check_steps(scenario)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
         start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
@@ -183,6 +184,7 @@ class Simulator:
             scenario = dataclasses.replace(scenario, speed_plan=())
         if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
+        self._check_steps(scenario)
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
@@ -234,6 +236,17 @@ class Simulator:
         load = scenario.wheel_load
         preload: NDArray[np.float64] = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
         return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
+
+    def _check_steps(self, scenario: Scenario) -> None:
+        """Raise InputError for a speed at which the time of a step is more than the dynamics can follow."""
+        slowest = min([scenario.speed, *(each.speed for each in scenario.speed_plan)])
+        longest = self._models.dynamics.longest_step
+        if scenario.step_length > longest * slowest * (1 + 1e-9):
+            raise InputError(
+                f"speed = {slowest:g} m/s makes steps of {1e3 * scenario.step_length / slowest:.3g} ms, and track.line "
+                f"holds up to {1e3 * longest:g} ms: give a speed from {scenario.step_length / longest:g} m/s, or a "
+                f"step_length up to {longest * slowest:g} m"
+            )
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""
