@@ -36,6 +36,11 @@ class Output:
 
     stress_nodes: tuple[str, ...] = ("A1", "B1", "C1")
 
+    def __post_init__(self) -> None:
+        twice = [name for name in self.stress_nodes if self.stress_nodes.count(name) > 1]
+        if twice:
+            raise InputError(f"output.stress_nodes names {twice[0]} twice: give each once, a topic of its own")
+
 
 @dataclass(frozen=True)
 class SetPoint:

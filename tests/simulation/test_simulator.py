@@ -86,6 +86,11 @@ def test_unknown_stress_nodes_are_refused() -> None:
         Simulator(scenario)
 
 
+def test_a_stress_node_that_is_named_twice_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^output\.stress_nodes names A1 twice: give each once"):
+        load_scenario("undamaged", ["output.stress_nodes=[A1, B1, A1]"])
+
+
 @pytest.mark.slow
 def test_a_smooth_wheel_runs_smoothly_at_low_speed() -> None:
     """Modes above half the sampling rate once fed the contact through their aliases, at some of these speeds."""
