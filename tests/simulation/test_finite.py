@@ -1,3 +1,4 @@
+import copy
 import dataclasses
 
 import numpy as np
@@ -44,6 +45,16 @@ def test_stress_that_is_not_finite_ends_in_an_error() -> None:
     dynamics = dataclasses.replace(models.dynamics, stress_feedthrough=feedthrough)  # type: ignore[type-var]
     with pytest.raises(WheelsetTrackError, match="is not finite"):
         Simulator(scenario, models=dataclasses.replace(models, dynamics=dynamics)).advance(1)
+
+
+def test_a_run_that_does_not_settle_does_not_begin() -> None:
+    scenario = load_scenario("undamaged")
+    models = load_models(scenario)
+    wheelset = copy.copy(models.dynamics.wheelset)  # type: ignore[attr-defined]
+    object.__setattr__(wheelset, "poles", wheelset.poles + 300.0)  # whose motion grows
+    dynamics = dataclasses.replace(models.dynamics, wheelset=wheelset)  # type: ignore[type-var]
+    with pytest.raises(ContactError, match=r"contact problem of step -2\d{4} has no solution"):
+        Simulator(scenario, models=dataclasses.replace(models, dynamics=dynamics))
 
 
 def _advance_to(simulator: Simulator, step: int) -> None:

@@ -53,6 +53,8 @@ class Simulator:
     ) -> None:
         """Load or build the models and settle; raises InputError if the scenario cannot be used.
 
+        Raises ContactError, with a step below that of the start, for models that do not settle.
+
         ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs. ``start`` is where a run
         begins that does not begin with step 0, with the speed that is run at and the one that is approached.
         """
@@ -66,7 +68,9 @@ class Simulator:
         self._coupled = Coupled(self._models, scenario.wheel_load, start.step - settling, start.speed)
         self._loading = Loading(smooth.preload)
         self._preload = np.tile(smooth.preload, (settling, 1))
-        self._forces = self._coupled.run(smooth, start.speed, self._preload)[0][-1]
+        while self._coupled.next_step < start.step:  # once; again from a step without solution, which raises
+            left = self._preload[self._coupled.next_step - start.step :]
+            self._forces = self._coupled.run(smooth, start.speed, left)[0][-1]
         self._changes = Changes(smooth, self._models.tread_origin)
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
         self._changes.add(scenario, law, smooth.preload, number=0)
