@@ -13,6 +13,7 @@ from .cache import digest
 from .errors import InputError
 from .irregularities import AnyIrregularity, line_steps
 from .irregularities.listing import MOST
+from .irregularities.surface import LONGEST_LINE
 from .loads import Loads
 from .profile_points import FILES, load_points
 from .schema import Quantity, check, plain, quantity, read
@@ -24,7 +25,7 @@ WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 
 BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
 GAUGE = Quantity("m", 0.9, 1.8, "the gauge")
-LINE = Quantity("m", 0.5, 5000.0, "the length after which rails repeat")
+LINE = Quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat")
 
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""

@@ -1,3 +1,4 @@
+import tracemalloc
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from wheelset_track_sim.contact.law_kernels import (
 )
 from wheelset_track_sim.contact.tables import force_path
 from wheelset_track_sim.errors import ContactError, InputError
-from wheelset_track_sim.irregularities import Breakout, Roughness
+from wheelset_track_sim.irregularities import Breakout, HeadDefect, Roughness
 from wheelset_track_sim.jit import kernel
 
 DX, N_C = 0.001, 2713
@@ -174,6 +175,16 @@ def test_rail_heights_count_like_tread_heights():
     assert law.rail_table[0, 300] > 0 == law.rail_table[0, 100]
     assert len(law.nested[0].element) == 0
     assert law.rail_mirrored.all()
+
+
+def test_a_long_line_takes_memory_where_it_is_not_smooth():
+    far = HeadDefect("rail_1", position=900.0, a=0.02, b=0.01, h=1e-4, y=0.002)
+    tracemalloc.start()
+    built = build_contact_law([far], ContactGeometry(), 1e-3, 2713, rail_steps=1_000_000, tables=False)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert built.rail_mirrored.tolist() == [False, True]
+    assert peak < 250e6  # all of its heights are 440 MB
 
 
 def test_a_tread_that_is_rough_all_around_has_no_tables():

@@ -161,7 +161,7 @@ def build_contact_law(
         rail_row=rail_row,
         rail=rail,
         tread_mirrored=_mirrored_within(tread, nx) & symmetric[:, None],
-        rail_mirrored=np.array([bool((each == each[:, ::-1]).all()) for each in (rail[row] for row in rail_row)]),
+        rail_mirrored=(rail == rail[:, ::-1]).all(axis=1)[rail_row].all(axis=1),
         x=x,
         y=places,
         separation=separation,

@@ -21,6 +21,8 @@ DEEPEST = 0.020
 """Greatest depth of all irregularities together, m: the contact area, and with it the work, grows with it."""
 LONGEST_IRREGULAR = 400_000
 """Steps of both rails together that may have a height: 100 to 200 MB. The line around them may be longer."""
+LONGEST_LINE = 5000.0
+"""Length after which rails repeat at most, m: 100 MB at steps of 1 mm."""
 LINE = 60.0
 """Length after which rails repeat if nothing says otherwise, m, or as many times that as irregularities need."""
 
@@ -179,8 +181,13 @@ def line_steps(irregularities: Iterable[Irregularity], line_length: float | None
     on_rails = [each for each in irregularities if each.on in RAILS]
     if not on_rails:
         return 1
-    lengths = math.ceil(max(getattr(each, "end", 0.0) for each in on_rails) / LINE)
-    return round(max(lengths, 1) * LINE / dx)
+    end = max(getattr(each, "end", 0.0) for each in on_rails)
+    if end > LONGEST_LINE:
+        raise InputError(
+            f"irregularities of rails reach to {end:g} m, and rails repeat after {LONGEST_LINE:g} m at most: give "
+            f"positions up to that, or a line_length after which they come again"
+        )
+    return round(max(math.ceil(end / LINE), 1) * LINE / dx)
 
 
 def _patches(irregularities: Iterable[Irregularity], surface: Surface, y: Real) -> Iterable[Patch]:
