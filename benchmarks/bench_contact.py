@@ -7,7 +7,7 @@ import pytest
 from conftest import Measure, group
 from half_spaces import SOLVERS, Problem, sphere, wheel_on_rail
 
-from wheelset_track_sim.contact.law import force_at
+from wheelset_track_sim.contact.solutions import force_at
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models

@@ -11,7 +11,7 @@ import pytest
 from conftest import Measure, group
 
 from wheelset_track_sim.commands.run import CHUNK
-from wheelset_track_sim.contact.law import approach_for_force
+from wheelset_track_sim.contact.solutions import approach_for_force
 from wheelset_track_sim.one_core import one_core
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run

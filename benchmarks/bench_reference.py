@@ -10,7 +10,7 @@ import pytest
 from conftest import Measure, group
 from plain import Plain
 
-from wheelset_track_sim.contact.law import approach_for_force, solver
+from wheelset_track_sim.contact.solutions import approach_for_force, solver
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import load_models

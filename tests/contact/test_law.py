@@ -17,7 +17,7 @@ from wheelset_track_sim.contact import (
     solve_patch,
     tables,
 )
-from wheelset_track_sim.contact.law import TABLE_FORCE, solver
+from wheelset_track_sim.contact.law import TABLE_FORCE
 from wheelset_track_sim.contact.law_kernels import (
     solve_contact,
     solved_force,
@@ -25,6 +25,7 @@ from wheelset_track_sim.contact.law_kernels import (
     tabulated_force,
     total_separation,
 )
+from wheelset_track_sim.contact.solutions import solver
 from wheelset_track_sim.contact.tables import force_path
 from wheelset_track_sim.errors import ContactError, InputError
 from wheelset_track_sim.irregularities import Breakout, HeadDefect, Roughness

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from wheelset_track_sim.contact.law import force_at
+from wheelset_track_sim.contact.solutions import force_at
 from wheelset_track_sim.irregularities import Corrugation, Harmonic, Polygon, Roughness
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.handover import FADE, Handover, handover

@@ -11,8 +11,9 @@ import copy
 
 import numpy as np
 
-from wheelset_track_sim.contact.law import approach_for_force, build_contact_law, force_at
+from wheelset_track_sim.contact.law import build_contact_law
 from wheelset_track_sim.contact.law_kernels import ContactLaw
+from wheelset_track_sim.contact.solutions import approach_for_force, force_at
 from wheelset_track_sim.scenario import Scenario
 from wheelset_track_sim.simulation.hold import hold
 from wheelset_track_sim.simulation.models import Models

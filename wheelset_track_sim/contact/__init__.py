@@ -5,9 +5,10 @@ The coupled step calls ``contact_force`` of ``law_kernels`` with the law that ``
 
 from .geometry import ContactGeometry, Pair
 from .hertz import HertzContact
-from .law import ContactPatch, approach_for_force, build_contact_law, force_at, solve_patch
+from .law import build_contact_law
 from .law_kernels import ContactLaw, contact_force, contact_pressure
 from .profiles import Points, RailHead, Straight
+from .solutions import ContactPatch, approach_for_force, force_at, solve_patch
 
 __all__ = [
     "ContactGeometry",

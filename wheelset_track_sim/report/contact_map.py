@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.law import approach_for_force, build_contact_law, solve_patch
+from ..contact.law import build_contact_law
+from ..contact.solutions import approach_for_force, solve_patch
 from ..irregularities import Breakout, breakouts
 from ..scenario import WHEELS, Scenario
 from ..simulation.surfaces import contact_geometry

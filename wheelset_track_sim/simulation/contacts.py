@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..contact.law import ContactPatch, solve_patch
 from ..contact.law_kernels import ContactLaw
+from ..contact.solutions import ContactPatch, solve_patch
 from .block import SampleBlock
 
 if TYPE_CHECKING:

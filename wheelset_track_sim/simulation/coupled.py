@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.law import solver
+from ..contact.solutions import solver
 from ..errors import ContactError
 from .changes import Condition
 from .coupled_kernels import run

@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.law import TABLE_FORCE, approach_for_force
+from ..contact.law import TABLE_FORCE
 from ..contact.law_kernels import ContactLaw, total_separation
+from ..contact.solutions import approach_for_force
 from ..errors import ContactError
 from .passage import PATCH
 

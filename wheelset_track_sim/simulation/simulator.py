@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact.law import ContactPatch, approach_for_force
 from ..contact.law_kernels import ContactLaw
+from ..contact.solutions import ContactPatch, approach_for_force
 from ..errors import InputError
 from ..scenario import Scenario
 from .block import COMPONENTS, SampleBlock

@@ -1,0 +1,129 @@
+"""Single solutions of a contact law: a patch, a force, the approach that bears a force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ContactError, InputError
+from ..irregularities.surface import WHEELS
+from ..jit import Address
+from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
+from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
+
+REASONS = {
+    NOT_CONVERGED: "the active set does not settle",
+    AT_BORDER: "the contact reaches the border of the potential contact area",
+}
+
+MOST_STEPS = 200
+"""Of the search for the approach that bears a force, which takes about ten."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPatch:
+    """Solution of one normal contact."""
+
+    force: float
+    """N."""
+    stiffness: float
+    """Derivative of the force by the approach, N/m."""
+    approach: float
+    """m."""
+    pressure: NDArray[np.float64]
+    """(nx, ny), Pa."""
+    x: NDArray[np.float64]
+    """Longitudinal positions of the elements, (nx,), m, ahead positive."""
+    y: NDArray[np.float64]
+    """Lateral positions of the elements, from the middle of the rail's head, (ny,), m, to the left positive."""
+
+
+def solve_patch(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float = 0.0
+) -> ContactPatch:
+    """Contact of ``wheel`` (0 or 1) solved for pressure, force and stiffness; leaves the state of ``law`` as it is.
+
+    Arguments as in ``contact_force``. Raises ContactError with the inputs if there is no solution.
+    """
+    pressure = np.empty(law.separation.shape[1:])
+    guess = np.zeros(law.separation.shape[1:], np.bool_)
+    force, stiffness, status = solve_contact(
+        law, wheel, tread_index, rail_index, float(approach), float(compliance), guess, pressure
+    )
+    if status != CONVERGED:
+        raise ContactError(
+            f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index}, approach {approach:g} m, "
+            f"compliance {compliance:g} m/N: {REASONS.get(status, 'the inputs are not finite')}"
+        )
+    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel])
+
+
+_SOLVER: list[Address] = []
+
+
+def solver(law: ContactLaw) -> Address:
+    """``solve_contact`` for the coupled step; compiled when that is called, which takes half a minute, once."""
+    if not _SOLVER:  # to the compiler, all laws are of one type
+        call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
+        _SOLVER.append(Address(solve_contact, (0.0, 0.0, 0), call))
+    return _SOLVER[0]
+
+
+def force_at(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float = 0.0
+) -> float:
+    """``contact_force`` that raises ContactError, with the inputs, where that returns NaN."""
+    force = contact_force(law, wheel, tread_index, rail_index, float(approach), float(compliance))
+    if not np.isfinite(force):
+        force = solve_patch(law, wheel, tread_index, rail_index, approach, compliance).force
+    return float(force)
+
+
+def approach_for_force(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, force: float, compliance: float = 0.0
+) -> float:
+    """Approach, m, at which the contact of ``wheel`` bears ``force``, N: the inverse of ``contact_force``.
+
+    Zero force gives the approach of first touch. Raises InputError for a negative force and ContactError for one that
+    the law cannot bear.
+    """
+    if not 0.0 <= force < np.inf:
+        raise InputError(f"force = {force:g} N is out of range: give a force that presses, from 0 N")
+    number = law.table[wheel, tread_index % law.table.shape[1]]
+    on_rail = law.rail_table[wheel, rail_index % law.rail_table.shape[1]]
+    if on_rail != 0:
+        number = on_rail if 0 <= number < law.smooth_tables else -1
+    if number >= 0:
+        curve = law.points[law.first_point[number] : law.first_point[number + 1]]
+        if force <= curve[-1, 1]:
+            return float(np.interp(force, curve[:, 1], curve[:, 0])) + compliance * force
+    touch = float(np.min(total_separation(law, wheel, tread_index, rail_index)))
+    if force == 0.0:
+        return touch
+    approach = touch + 1e-6
+    low, high = touch, np.inf
+    for _ in range(MOST_STEPS):
+        if np.isfinite(high) and high - low <= 1e-2 * (high - touch):
+            break
+        try:
+            patch = solve_patch(law, wheel, tread_index, rail_index, approach)
+        except ContactError:
+            # Too deep for the area: come back half of the way.
+            high = approach
+            approach = 0.5 * (low + high)
+            continue
+        if patch.force < force:
+            low = approach
+        # The force is convex in the approach and made of straight pieces: Newton's method ends exactly, from above
+        # without a step too far. From far below it is taken on the power 2/3, which is nearly straight (Hertz).
+        step = (force - patch.force) / patch.stiffness
+        if force > 2.0 * patch.force:
+            step = 1.5 * ((force / patch.force) ** (2 / 3) - 1.0) * patch.force / patch.stiffness
+        if abs(step) <= 2 * np.spacing(max(abs(approach), abs(touch), approach - touch)):  # it may be next to zero
+            return approach + compliance * force
+        approach = approach + step if approach + step < high else 0.5 * (approach + high)
+    raise ContactError(
+        f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"
+    )
