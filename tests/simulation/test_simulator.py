@@ -2,7 +2,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from conftest import advance_to
+from advancing import advance_to
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import load_scenario

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import advance_to
+from advancing import advance_to
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import SetPoint, load_scenario

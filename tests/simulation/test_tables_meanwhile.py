@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import advance_to
+from advancing import advance_to
 
 from wheelset_track_sim.contact import tables
 from wheelset_track_sim.errors import ContactError
