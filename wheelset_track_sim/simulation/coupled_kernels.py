@@ -25,11 +25,11 @@ def run(
 ) -> int:
     """Take one coupled step for each row of ``forces`` (n, 2); returns how many of them were solved.
 
-    ``solver`` is asked where tables have no force (``contact.solutions.solver``); with None, which is compiled without it and
-    runs faster, such steps are not solved. ``preload`` (n, 2) m is the approach of wheel and rail without dynamics that
-    loads each contact with the static force; ``tread_origin`` is the step at which angle 0 of the treads meets the
-    rail. Fills ``forces`` in N, ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the
-    force displaces at once.
+    ``solver`` is asked where tables have no force (``contact.solutions.solver``); with None, which is compiled without
+    it and runs faster, such steps are not solved. ``preload`` (n, 2) m is the approach of wheel and rail without
+    dynamics that loads each contact with the static force; ``tread_origin`` is the step at which angle 0 of the treads
+    meets the rail. Fills ``forces`` in N, ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with
+    what the force displaces at once.
     A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
     none = np.empty((0, 0))
