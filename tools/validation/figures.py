@@ -53,7 +53,9 @@ def impact_figure(
         there = -np.arange(len(before), -1, -1) * STEP_MS
         left.plot(there, np.array([*before, functions[first][0]]) * 1e6, ":", color=colours[first], label="lost")
         left.axhline(step * 1e6, color=GREY, linewidth=0.7)
-        left.annotate("G(0+), closed form", (-0.58, step * 1e6), (0, 3), textcoords="offset points", color=GREY)
+        left.annotate(
+            "G(0+), closed form", (0.98, step * 1e6), (0, 3), ha="right", textcoords="offset points", color=GREY
+        )
         left.set(
             title="(a) moving Green's functions, 10⁻⁶ m/(N s)", xlabel="time (ms)", xlim=(-0.6, 1.0), ylim=(-1.2, 7)
         )
@@ -95,10 +97,11 @@ def ripple_figure(histories: Mapping[str, Passage], speeds: Sequence[float], for
         for (name, run), colour in zip(histories.items(), COLOURS, strict=False):
             left.plot(run.x, run.force[0], color=colour, label=name, linewidth=1.0)
         left.axhline(131, color=GREY, linewidth=0.7)
-        left.annotate("printed maximum", (-0.3, 131), (2, 3), textcoords="offset points", color=GREY)
+        left.annotate("printed maximum", (0.88, 131), (0, 3), ha="right", textcoords="offset points", color=GREY)
         left.set(title="(a) contact force of wheel 1, kN", xlabel="distance from a sleeper (m)", xlim=(-0.3, 0.9))
         left.legend(frameon=False, fontsize=7.5, ncols=2, loc="lower left")
-        left.set_ylim(bottom=left.get_ylim()[0] - 12)
+        low, high = left.get_ylim()
+        left.set_ylim(low - 12, high + 4)
         for (label, runs), colour in zip(forces, COLOURS, strict=False):
             right.plot(speeds, [run.largest[0] for run in runs], color=colour, label=label)
             right.plot(speeds, [run.smallest[0] for run in runs], color=colour)
