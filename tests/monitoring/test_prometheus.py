@@ -21,6 +21,8 @@ from wheelset_track_sim.simulation.summary import summarise
 from wheelset_track_sim.simulation.turns import TurnPeaks
 from wheelset_track_sim.simulation.watch import Seen
 
+pytestmark = pytest.mark.slow
+
 
 def scraped(endpoint):
     """Samples by name and labels."""

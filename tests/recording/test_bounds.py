@@ -11,6 +11,8 @@ from wheelset_track_sim.recording import BagWriter, RecordSettings, State, read
 from wheelset_track_sim.recording.bag_reader import Bag
 from wheelset_track_sim.yaml12 import parse
 
+pytestmark = pytest.mark.slow
+
 START_NS = 1_700_000_000_000_000_000
 SAMPLES = 1389
 """Of a block: 50 ms."""

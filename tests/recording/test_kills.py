@@ -86,7 +86,6 @@ def test_of_a_recorder_that_is_killed_hardly_anything_is_missing(tmp_path, count
         assert files == named or found.first[-1] is None
 
 
-@pytest.mark.slow
 def test_run_that_is_killed_leaves_what_it_had_recorded(tmp_path):
     bag = tmp_path / "run.mcap"
     command = [sys.executable, "-m", "wheelset_track_sim", "run", "damage_wheel_1", "--duration", "1000"]

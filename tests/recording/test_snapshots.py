@@ -16,6 +16,8 @@ from wheelset_track_sim.recording.bag_writer import BagWriter
 from wheelset_track_sim.recording.snapshots import SnapshotWriter, writer_of
 from wheelset_track_sim.simulation.impacts import Impact
 
+pytestmark = pytest.mark.slow
+
 SAMPLES = 1389
 PERIOD = SAMPLES * 1e-3 / 27.7777778
 """Of a block, s."""

@@ -264,7 +264,6 @@ def test_it_prints_on_paper(opened, pages, tmp_path):
     assert page.locator("#impacts button").first.is_visible()  # the time stays
 
 
-@pytest.mark.slow
 def test_the_page_of_a_simulated_run(opened, tmp_path, capsys):
     bag, out = tmp_path / "run.mcap", tmp_path / "run.html"
     assert main(["run", "damage_wheel_1", "--duration", "0.5", "--out", str(bag)]) == 0

@@ -9,6 +9,8 @@ from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.loading import RISE, Loading
 from wheelset_track_sim.simulation.simulator import Simulator
 
+pytestmark = pytest.mark.slow
+
 LOAD = load_scenario("undamaged").axle_load
 
 

@@ -13,6 +13,8 @@ from wheelset_track_sim.simulation.block import SampleBlock
 from wheelset_track_sim.simulation.simulator import Revision, Simulator
 from wheelset_track_sim.simulation.speed import LEVEL
 
+pytestmark = pytest.mark.slow
+
 BAY = 600
 STATIC = 98.1e3
 
@@ -44,7 +46,6 @@ def whole() -> list[SampleBlock]:
     return eventful(1389)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("chunk", [1, 32])
 def test_any_chunk_length_gives_the_same_bits_through_a_ramp(whole: list[SampleBlock], chunk: int) -> None:
     other = eventful(chunk)
@@ -157,7 +158,6 @@ def test_paper_dynamics_keep_their_speed() -> None:
         load_scenario("undamaged", ["dynamics=paper", "speed_plan=[{time: 1, speed: 30}]"])
 
 
-@pytest.mark.slow
 def test_paper_dynamics_keep_their_speed_while_they_run() -> None:
     simulator = Simulator(load_scenario("undamaged", ["dynamics=paper"]))
     with pytest.raises(InputError, match="speed cannot change in paper dynamics"):
@@ -184,7 +184,6 @@ def steady(speed: float) -> np.ndarray:
     return simulator.advance(2 * BAY).forces
 
 
-@pytest.mark.slow
 def test_force_is_continuous_from_40_to_220_and_back(line: list[SampleBlock]) -> None:
     """The shape of the force over a bay changes smoothly: no border stands out from the same place a bay before."""
     force = joined(line)
@@ -198,7 +197,6 @@ def test_force_is_continuous_from_40_to_220_and_back(line: list[SampleBlock]) ->
     assert np.abs(np.diff(force, axis=0)).max() < 1.5 * largest
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kmh", [40, 220])
 def test_plateaus_are_those_of_constant_speed(line: list[SampleBlock], kmh: int) -> None:
     """4 s after a ramp what is left of it is 1 N at most: the track has forgotten it, the suspension nearly."""

@@ -26,6 +26,8 @@ from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheel
 from wheelset_track_sim.structures.wheelsets import load_any_wheelset
 from wheelset_track_sim.yaml12 import dump
 
+pytestmark = pytest.mark.slow
+
 BAND = 1500.0
 
 

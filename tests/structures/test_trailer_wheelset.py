@@ -19,6 +19,8 @@ from wheelset_track_sim.structures.wheelset import Wheelset, load_wheelset
 from wheelset_track_sim.structures.wheelset_mesh import wheelset_mesh
 from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheelset
 
+pytestmark = pytest.mark.slow
+
 MIRRORED = np.array([1, 1, 1, -1, 1, -1])
 """Signs of xx, yy, zz, xy, xz, yz in a mirror across y."""
 
@@ -100,7 +102,6 @@ def _disc(density: float, inner: float, outer: float, length: float) -> tuple[fl
     return mass, mass * (outer**2 + inner**2) / 4 + mass * length**2 / 12
 
 
-@pytest.mark.slow
 def test_mirrored_scenario_gives_mirrored_results() -> None:
     scenario = load_scenario("trailer", ["output.stress_nodes=[A1, A2, B1, B2]"])
     (breakout,) = scenario.irregularities

@@ -203,7 +203,6 @@ def test_mode_shapes(x40: Wheelset) -> None:
     assert (np.diff(np.sign(line)) != 0).sum() == 1
 
 
-@pytest.mark.slow
 def test_halving_the_mesh(x40: Wheelset, reduced_x40: ReducedWheelset) -> None:
     fine = build_reduced_wheelset(replace(x40, mesh=x40.mesh.divided(2)), max_frequency=500.0)
     assert static_principal(fine) == pytest.approx(static_principal(reduced_x40), rel=0.01)

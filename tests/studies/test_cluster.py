@@ -47,7 +47,6 @@ def cluster(tmp_path):
         options["stderr"].close()
 
 
-@pytest.mark.slow
 def test_a_cluster_gives_the_same_table_as_this_machine(cluster, small, study_file, tmp_path, capsys) -> None:
     address, client = cluster
     path = study_file(small)
@@ -61,7 +60,6 @@ def test_a_cluster_gives_the_same_table_as_this_machine(cluster, small, study_fi
     assert list(client.run(worked).values()) == [True, True]
 
 
-@pytest.mark.slow
 def test_a_failing_run_on_a_cluster_is_told(cluster, small, study_file, tmp_path, capsys) -> None:
     deep = [{"type": "breakout", "on": "wheel_1", "a": 0.03, "b": 0.024, "h": 0.01}] * 100
     small["vary"] = {"case": {"good": {}, "far too deep": {"irregularities": deep}}}

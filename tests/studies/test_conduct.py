@@ -97,7 +97,6 @@ def test_another_program_is_refused(small, study_file) -> None:
         evaluate(load_study(study_file(small)).runs()[0].job, "another")
 
 
-@pytest.mark.slow
 def test_a_failing_run_is_told_with_its_place_and_the_others_are_kept(small, study_file, tmp_path, capsys) -> None:
     small["vary"] = {
         "case": {"good": {}, "far too deep": {"irregularities": TOO_DEEP}, "smooth": {"irregularities": []}}
@@ -120,7 +119,6 @@ def test_a_failing_run_is_told_with_its_place_and_the_others_are_kept(small, stu
     assert [row.split(",")[2] == "nan" for row in rows[1:]] == [False, True, False]
 
 
-@pytest.mark.slow
 def test_a_study_stopped_by_kill_9_goes_on_where_it_was(small, study_file, tmp_path) -> None:
     small["vary"]["irregularities.0.h"] = [0.0, 0.0001, 0.0002, 0.0003]
     small["window"]["after"] = 30.0

@@ -79,7 +79,6 @@ def reduced() -> ReducedWheelset:
     return reduced_wheelset(load_wheelset(SCENARIO.wheelset))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("module", FIGURES, ids=lambda module: module.__name__.rpartition(".")[2])
 def test_files_are_written_and_legible(module, drawn) -> None:
     paths, (names, texts) = drawn(module), FIGURES[module]
@@ -100,7 +99,6 @@ def test_files_are_written_and_legible(module, drawn) -> None:
     assert all(isinstance(stage, str) and 0 <= fraction <= 1 for stage, fraction in told)
 
 
-@pytest.mark.slow
 def test_wheelset_stands_on_its_springs(drawn) -> None:
     """Statics of a rigid body on two springs, which the wheelset's own flexibility exceeds by one or two per cent."""
     table = drawn.table(wheelset_receptances, "wheelset_receptances")
@@ -116,7 +114,6 @@ def test_wheelset_stands_on_its_springs(drawn) -> None:
     assert phase.max() < 0.01
 
 
-@pytest.mark.slow
 def test_stress_peaks_at_the_bending_modes(drawn) -> None:
     table = drawn.table(wheelset_receptances, "axle_stress_response")
     frequency, stress = table["frequency (Hz)"], table["sigma_yy A1 load on wheel 1 magnitude (Pa/N)"]
@@ -127,14 +124,12 @@ def test_stress_peaks_at_the_bending_modes(drawn) -> None:
     assert both * SCENARIO.wheel_load == pytest.approx(65.8e6, rel=0.03)
 
 
-@pytest.mark.slow
 def test_no_peak_falls_between_frequencies(drawn, reduced) -> None:
     stress = drawn.table(wheelset_receptances, "axle_stress_response")["sigma_yy A1 load on wheel 2 magnitude (Pa/N)"]
     fine = reduced.stress_receptance(np.linspace(406.5, 407.5, 5001))[:, 0, 1, 1]
     assert stress.max() == pytest.approx(np.abs(fine).max(), rel=1e-3)
 
 
-@pytest.mark.slow
 def test_labels_of_neighbouring_peaks_stand_apart() -> None:
     frequencies = np.geomspace(1.0, 2500.0, 5001)
     peaks = [205.0, 407.0, 1574.0, 1912.0]
@@ -166,7 +161,6 @@ def test_green_functions_of_the_wheelset(drawn) -> None:
         assert area == pytest.approx(static[f"{first} magnitude (m/N)"][0], rel=5e-3)
 
 
-@pytest.mark.slow
 def test_modes_of_figure_12(drawn) -> None:
     table = drawn.table(wheelset_modes, "wheelset_modes")
     titles = [title for title in table if title.startswith("u_r")]
@@ -263,7 +257,6 @@ def test_the_impulse_is_that_of_the_coupled_step(start, reduced) -> None:
     assert 0.3 < rails.loaded[0] / rails.loaded[1] < 1.5
 
 
-@pytest.mark.slow
 def test_a_scenario_of_ones_own(tmp_path) -> None:
     """Another band and another node stand in figures and tables."""
     mine: Scenario = replace(SCENARIO, max_frequency=1000.0, output=Output(("C1",)))

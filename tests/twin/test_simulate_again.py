@@ -78,7 +78,6 @@ def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
     assert second.info == first.info
 
 
-@pytest.mark.slow
 def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> None:
     """Depth, size, place, kind and number of defects, load, torque, speed and acceleration; several at one step."""
     seed = random.SystemRandom().randrange(2**32)

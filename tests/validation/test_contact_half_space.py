@@ -8,6 +8,8 @@ from wheelset_track_sim.contact.law import ELEMENT_WIDTH
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Breakout
 
+pytestmark = pytest.mark.slow
+
 contact_mechanics = pytest.importorskip("ContactMechanics")
 topography = pytest.importorskip("SurfaceTopography")
 DX = 0.001

@@ -96,7 +96,6 @@ def test_pressure_agrees_with_another_half_space_solver(geometry, depth):
             assert its_approach == pytest.approx(depth, rel=1e-7)
 
 
-@pytest.mark.slow
 def test_solvers_in_order_and_with_tables_are_the_plain_active_set(geometry):
     bare, tables = law_of(geometry, DEFECTS), law_of(geometry, DEFECTS, tables=True)
     assert (tables.table >= 0).all()

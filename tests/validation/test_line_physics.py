@@ -84,7 +84,6 @@ def pulses(steps: int) -> np.ndarray:
     return 1e5 * np.stack([one, 0.7 * two], axis=1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("line", [VARIED, {"supports": [{"sleepers": "31-32", "gap": 1e-4}]}, {}])
 def test_moving_loads_deflect_the_rails_as_in_finite_elements(wheelset: LineModel, line: dict) -> None:
     track, forces = varied(**line), pulses(700)

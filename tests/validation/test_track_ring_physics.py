@@ -82,7 +82,6 @@ def test_receptance_is_that_of_the_infinite_track(ring: TrackRing, low: float, h
             assert np.max(np.abs(mine - infinite[0]) / np.abs(exact[0][0])) < limit
 
 
-@pytest.mark.slow
 def test_more_bays_and_more_modes_converge_to_the_infinite_track() -> None:
     frequencies = np.arange(2.0, 2500.0, 4.0)
     error = []
@@ -157,7 +156,6 @@ def test_moving_pulse_is_the_convolution_with_moving_greens_functions(ring: Trac
         np.testing.assert_allclose(xi[responses], expected[rail], atol=2e-3 * np.abs(expected[0]).max())
 
 
-@pytest.mark.slow
 def test_length_of_the_ring_does_not_matter_to_an_impact(ring: TrackRing) -> None:
     """Impact of 200 kN and 2 ms at mid-span: 1.1 mm; default ring against 200 bays with all modes to 5 kHz."""
     forces = pulse(3000, 56, 2e5)
