@@ -13,7 +13,7 @@ from ..errors import InputError
 from .replay import ReplayNode
 from .session import Ending, next_ending, own_arguments, session, spinning
 
-FAREWELL = 0.5
+FAREWELL = 1.0
 """Time for who asked last, such as for ``stop``, to take the answer, s: what is not taken goes with its sender."""
 
 
