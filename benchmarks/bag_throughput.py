@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wheelset_track_sim.recording import BagWriter, RunInfo, blocks
-from wheelset_track_sim.simulation.block import SampleBlock
+from wheelset_track_sim.bags import BagWriter, RunInfo, blocks
+from wheelset_track_sim.samples.block import SampleBlock
 
 DX, CHUNK, PERIOD = 1e-3, 0.05, 20.0
 EVERY = 100

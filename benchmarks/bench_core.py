@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from conftest import Measure, group
+from wheelset_track_sim.cli.run import CHUNK, run
 
-from wheelset_track_sim.commands.run import CHUNK, run
-from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.block import SampleBlock
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 

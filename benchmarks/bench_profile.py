@@ -9,16 +9,16 @@ import numpy as np
 import profile_kernels
 import pytest
 from conftest import Measure, group
+from wheelset_track_sim.cli.run import CHUNK
 
-from wheelset_track_sim.commands.run import CHUNK
 from wheelset_track_sim.contact.solutions import approach_for_force
-from wheelset_track_sim.one_core import one_core
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.runtime.one_core import one_core
+from wheelset_track_sim.samples.principal import maximum_principal
+from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.simulation.summary import summarise
-from wheelset_track_sim.stress.principal import maximum_principal
 
 NUMBER = 8
 """Bytes."""

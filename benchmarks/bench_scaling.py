@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import Measure, group
+from wheelset_track_sim.cli.run import CHUNK
 
-from wheelset_track_sim.commands.run import CHUNK
+from wheelset_track_sim.dynamics.causal import causal_model
+from wheelset_track_sim.dynamics.running_wheelset import truncated
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario import Scenario, load_scenario
-from wheelset_track_sim.simulation.causal import causal_model
+from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
-from wheelset_track_sim.simulation.running_wheelset import truncated
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.structures.track_balance import ORDER, MovingTrack, balanced
-from wheelset_track_sim.structures.track_ring import track_ring
-from wheelset_track_sim.structures.wheelset_reduction import reduced_wheelset
+from wheelset_track_sim.track.balance import ORDER, MovingTrack, balanced
+from wheelset_track_sim.track.ring import track_ring
+from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
 BLOCKS = 10
 

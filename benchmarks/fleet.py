@@ -16,8 +16,9 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from wheelset_track_sim.commands.run import CHUNK
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.cli.run import CHUNK
+
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.fleet import Fleet
 
 SCENARIO = "damage_wheel_1"

@@ -14,7 +14,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-from wheelset_track_sim.recording.definitions import deserialise
+from wheelset_track_sim.bags.definitions import deserialise
 
 SUBSCRIBER = """
 import rclpy

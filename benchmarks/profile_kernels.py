@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from wheelset_track_sim.contact.law_kernels import contact_force, tabulated_force
-from wheelset_track_sim.simulation import dynamics_kernels
+from wheelset_track_sim.dynamics import interface_kernels as dynamics_kernels
 
 kernel = numba.njit(nogil=True, error_model="numpy")
 summing = numba.njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})

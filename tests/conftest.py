@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from wheelset_track_sim.recording import BagWriter, RunInfo, State
-from wheelset_track_sim.simulation.block import SampleBlock
+from wheelset_track_sim.bags import BagWriter, RunInfo, State
+from wheelset_track_sim.samples.block import SampleBlock
 
 # The first example may compile a kernel, and machines are shared: no test is about seconds. All tests together try the
 # same examples every time, so that what passes passes again; `make check` tries others each time, `make search` many.

@@ -7,7 +7,8 @@ import xml.etree.ElementTree as ET
 from configparser import ConfigParser
 
 import pytest
-from test_packaging import ROOT
+
+from support.paths import ROOT
 
 MANIFESTS = [ROOT / "package.xml", ROOT / "msg_defs" / "package.xml"]
 DEFINITIONS = sorted([*(ROOT / "msg_defs").glob("*/*.msg"), *(ROOT / "msg_defs").glob("*/*.srv")])

@@ -5,11 +5,11 @@ import importlib
 import re
 
 import pytest
-from test_packaging import ROOT
 
-from wheelset_track_sim.scenario import BAND, LINE, Scenario, load_scenario, scenario_from
+from support.paths import ROOT
+from wheelset_track_sim.inputs.yaml12 import parse
+from wheelset_track_sim.scenario.scenario import BAND, LINE, Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
-from wheelset_track_sim.yaml12 import parse
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 FOLDERS = {path.parent.name for path in (ROOT / "wheelset_track_sim").glob("*/__init__.py")}

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import wheelset_track_sim
+from support.paths import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
 SCENARIOS = {path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml")}
 MESSAGES = {path.name for path in (ROOT / "msg_defs").glob("*/*") if path.suffix in {".msg", ".srv"}}
 REPORT = {path.name for path in (ROOT / "wheelset_track_sim" / "report").iterdir() if path.suffix in {".css", ".js"}}
@@ -106,7 +106,7 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
     assert {path.name for path in (installed / "data/config/scenarios").iterdir()} == SCENARIOS
     assert not any(path.is_symlink() for path in installed.rglob("*"))
     shutil.rmtree(tree / "config")  # what is installed stands alone
-    code = "from wheelset_track_sim.scenario import load_scenario as load; print(load('undamaged').name)"
+    code = "from wheelset_track_sim.scenario.scenario import load_scenario as load; print(load('undamaged').name)"
     program = [sys.executable, "-c", code]
     path = str(installed.parent)
     assert run(*program, cwd=tmp_path, PYTHONPATH=path).stdout.strip() == "undamaged"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelset_track_sim.structures.section_mesh import SectionMesh
+from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 
 Real = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import SubFigure
 
 from wheelset_track_sim.report.figures import COLOURS
-from wheelset_track_sim.scenario import Scenario, load_scenario
-from wheelset_track_sim.show.picture import Row, description, rows_of, write_rows
+from wheelset_track_sim.report.pictures.scenario import Row, description, rows_of, write_rows
+from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.structures.supports import along
+from wheelset_track_sim.track.supports import along
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "gallery.md"

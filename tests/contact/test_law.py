@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wheelset_track_sim import cache
 from wheelset_track_sim.contact import (
     ContactGeometry,
     approach_for_force,
@@ -29,7 +28,8 @@ from wheelset_track_sim.contact.solutions import solver
 from wheelset_track_sim.contact.tables import force_path
 from wheelset_track_sim.errors import ContactError, InputError
 from wheelset_track_sim.irregularities import Breakout, HeadDefect, Roughness
-from wheelset_track_sim.jit import kernel
+from wheelset_track_sim.runtime import cache
+from wheelset_track_sim.runtime.jit import kernel
 
 DX, N_C = 0.001, 2713
 GEOMETRY = ContactGeometry()

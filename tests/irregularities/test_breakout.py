@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.inputs.schema import read
 from wheelset_track_sim.irregularities import TREAD_HALF_WIDTH, Breakout
-from wheelset_track_sim.schema import read
 
 SIZE_C = Breakout("wheel_1", a=0.030, b=0.024, h=0.002)
 

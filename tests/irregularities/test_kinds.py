@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wheelset_track_sim import shipped
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.inputs import shipped
+from wheelset_track_sim.inputs.schema import plain
+from wheelset_track_sim.inputs.yaml12 import dump
 from wheelset_track_sim.irregularities import (
     AnyIrregularity,
     Breakout,
@@ -29,9 +31,7 @@ from wheelset_track_sim.irregularities import (
     tread_heights,
 )
 from wheelset_track_sim.irregularities.listing import listed
-from wheelset_track_sim.scenario import load_scenario, scenario_from
-from wheelset_track_sim.schema import plain
-from wheelset_track_sim.yaml12 import dump
+from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
 
 N_C, DX = 2713, 1e-3
 RADIUS = N_C * DX / (2 * math.pi)

@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
+from wheelset_track_sim.live.stream import Timing
+from wheelset_track_sim.live.watch import Seen
 from wheelset_track_sim.monitoring.limits import Limits
 from wheelset_track_sim.monitoring.monitor import Monitor
 from wheelset_track_sim.monitoring.status import Level
-from wheelset_track_sim.simulation.block import SampleBlock
-from wheelset_track_sim.simulation.impacts import Impact
-from wheelset_track_sim.simulation.streaming import Timing
-from wheelset_track_sim.simulation.summary import summarise
-from wheelset_track_sim.simulation.turns import NO_TURN, TurnPeaks
-from wheelset_track_sim.simulation.watch import Seen
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.samples.impacts import Impact
+from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.samples.turns import NO_TURN, TurnPeaks
 
 STATIC = 100e3
 ON_TIME = Timing(1.0, 0.0)

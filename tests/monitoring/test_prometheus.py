@@ -12,14 +12,14 @@ pytest.importorskip("prometheus_client")
 from prometheus_client.parser import text_string_to_metric_families
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.live.stream import Timing
+from wheelset_track_sim.live.watch import Seen
 from wheelset_track_sim.monitoring.prometheus import Endpoint, Metrics
 from wheelset_track_sim.monitoring.status import Level, Status
-from wheelset_track_sim.simulation.block import SampleBlock
-from wheelset_track_sim.simulation.impacts import Impact
-from wheelset_track_sim.simulation.streaming import Timing
-from wheelset_track_sim.simulation.summary import summarise
-from wheelset_track_sim.simulation.turns import TurnPeaks
-from wheelset_track_sim.simulation.watch import Seen
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.samples.impacts import Impact
+from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.samples.turns import TurnPeaks
 
 pytestmark = pytest.mark.slow
 

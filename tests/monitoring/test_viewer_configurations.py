@@ -3,18 +3,18 @@
 import json
 import re
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import pytest
 from rosbags.interfaces import Nodetype
 
+from support.paths import ROOT
+from wheelset_track_sim.bags.definitions import full_name, typestore
+from wheelset_track_sim.bags.messages import chunk_messages, state_message
+from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.monitoring.limits import Limits
 from wheelset_track_sim.monitoring.monitor import Monitor
-from wheelset_track_sim.recording.definitions import full_name, typestore
-from wheelset_track_sim.recording.messages import chunk_messages, state_message
-from wheelset_track_sim.yaml12 import parse
 
-CONFIG = Path(__file__).parents[2] / "config"
+CONFIG = ROOT / "config"
 NODE = "/wheelset_track_sim"
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelset_track_sim.recording import BagWriter, RunInfo, State
-from wheelset_track_sim.recording.damage import damage_fields
+from wheelset_track_sim.bags import BagWriter, RunInfo, State
+from wheelset_track_sim.bags.tread_damage import damage_fields
 from wheelset_track_sim.report.survey import Survey, survey_of
-from wheelset_track_sim.scenario import Scenario, load_scenario
-from wheelset_track_sim.simulation.block import SampleBlock
-from wheelset_track_sim.simulation.impacts import ImpactSettings
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.samples.impacts import ImpactSettings
+from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
 
 DX = 1e-3
 NODES = ("A1", "B1", "C1")

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from wheelset_track_sim.bags import Bag, BagWriter, Gap, blocks
 from wheelset_track_sim.cli import main
-from wheelset_track_sim.recording import Bag, BagWriter, Gap, blocks
 from wheelset_track_sim.report import survey
 
 pytestmark = pytest.mark.slow

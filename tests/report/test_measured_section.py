@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from support.paths import ROOT
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.report.measured import MOST, drawn
 
-EXAMPLE = Path(__file__).parents[2] / "config" / "measured" / "synthetic_wayside.csv"
+EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 
 
 @pytest.mark.slow

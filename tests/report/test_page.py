@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from wheelset_track_sim.bags import BagWriter
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.recording import BagWriter
 
 pytest.importorskip("bokeh", reason="the page needs the extra report")
 

@@ -12,8 +12,8 @@ pytest.importorskip("bokeh", reason="the page needs the extra report")
 pytestmark = pytest.mark.slow
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser: make test brings it")
 
+from wheelset_track_sim.bags import blocks  # noqa: E402
 from wheelset_track_sim.cli import main  # noqa: E402
-from wheelset_track_sim.recording import blocks  # noqa: E402
 from wheelset_track_sim.report import survey  # noqa: E402
 from wheelset_track_sim.report.page import write_report  # noqa: E402
 

@@ -282,8 +282,8 @@ def stop_signal(request):
 @pytest.fixture
 def short_bag(tmp_path, run_info, run_blocks, make_state):
     """A bag with a message on each topic of a run."""
-    from wheelset_track_sim.recording import BagWriter
-    from wheelset_track_sim.simulation.impacts import Impact
+    from wheelset_track_sim.bags import BagWriter
+    from wheelset_track_sim.samples.impacts import Impact
 
     path = tmp_path / "short.mcap"
     with BagWriter(path, run_info, start_ns=1_700_000_000 * 10**9) as writer:

@@ -8,7 +8,7 @@ pytest.importorskip("wheelset_track_msgs")
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from wheelset_track_sim.recording.messages import block_of, chunk_messages, state_message, state_of
+from wheelset_track_sim.bags.messages import block_of, chunk_messages, state_message, state_of
 from wheelset_track_sim.ros.conversions import message_type
 
 pytestmark = pytest.mark.ros

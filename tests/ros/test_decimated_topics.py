@@ -9,9 +9,9 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from wheelset_track_sim.recording import blocks, read
-from wheelset_track_sim.simulation.decimation import REACH, decimated
-from wheelset_track_sim.stress.principal import maximum_principal
+from wheelset_track_sim.bags import blocks, read
+from wheelset_track_sim.samples.decimation import REACH, decimated
+from wheelset_track_sim.samples.principal import maximum_principal
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

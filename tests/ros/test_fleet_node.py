@@ -10,10 +10,9 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from test_packaging import ROOT
-
+from support.paths import ROOT
+from wheelset_track_sim.bags import read
 from wheelset_track_sim.errors import ContactError, InputError
-from wheelset_track_sim.recording import read
 from wheelset_track_sim.ros.process import Ending, _all, _close, fleet_names
 
 pytestmark = pytest.mark.ros

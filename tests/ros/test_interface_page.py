@@ -9,9 +9,8 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from test_packaging import ROOT
-
-from wheelset_track_sim.yaml12 import parse
+from support.paths import ROOT
+from wheelset_track_sim.inputs.yaml12 import parse
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -191,7 +190,7 @@ def test_every_row_of_the_page_says_what_it_is_for():
 
 
 def test_depths_are_those_of_the_code():
-    from wheelset_track_sim.recording.rosbag2_metadata import DEPTH, LATCHED_TOPICS
+    from wheelset_track_sim.bags.rosbag2_metadata import DEPTH, LATCHED_TOPICS
     from wheelset_track_sim.ros.services import COMMANDS
 
     for row in rows("Topics"):

@@ -3,11 +3,11 @@
 import runpy
 
 import pytest
-from launch_stand_in import LaunchFile, install
-from test_packaging import ROOT
 
+from support.launch_stand_in import LaunchFile, install
+from support.paths import ROOT
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.yaml12 import parse
+from wheelset_track_sim.inputs.yaml12 import parse
 
 ALL = sorted(path.name for path in (ROOT / "launch").iterdir())
 FILES = [name for name in ALL if name != "replay.launch.py"]

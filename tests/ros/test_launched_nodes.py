@@ -14,10 +14,9 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from launch_stand_in import LaunchFile, install
-from test_packaging import ROOT
-
-from wheelset_track_sim.recording import read
+from support.launch_stand_in import LaunchFile, install
+from support.paths import ROOT
+from wheelset_track_sim.bags import read
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

@@ -14,11 +14,11 @@ pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
 from diagnostic_msgs.msg import DiagnosticArray
-from plain_scan import LARGEST_LOSS, Scan
 from std_srvs.srv import Trigger
 from wheelset_track_msgs.srv import StartRecording
 
-from wheelset_track_sim.recording import read
+from support.plain_scan import LARGEST_LOSS, Scan
+from wheelset_track_sim.bags import read
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

@@ -8,9 +8,8 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from service_calls import assert_gap_free, end
-
-from wheelset_track_sim.recording import read
+from support.service_calls import assert_gap_free, end
+from wheelset_track_sim.bags import read
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

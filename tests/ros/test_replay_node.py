@@ -11,9 +11,8 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from replaying import NODE, Subscriber, by_topic, recorded
-
-from wheelset_track_sim.commands.run import run
+from support.replaying import NODE, Subscriber, by_topic, recorded
+from wheelset_track_sim.cli.run import run
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

@@ -8,7 +8,7 @@ pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.ros.recorder import Recorder
+from wheelset_track_sim.live.recorder import Recorder
 from wheelset_track_sim.ros.run import Run
 
 pytestmark = pytest.mark.ros
@@ -26,7 +26,7 @@ class Outlet:
 
 @pytest.fixture
 def recorder(monkeypatch, run_info):
-    monkeypatch.setattr("wheelset_track_sim.ros.recorder.run_info", lambda simulator: run_info)
+    monkeypatch.setattr("wheelset_track_sim.live.recorder.run_info", lambda simulator: run_info)
     return Recorder("/wheelset_track_sim", print)
 
 

@@ -1,16 +1,17 @@
 """The SROS2 policy against the graph of a running node: all that the node does is allowed, and others may use it."""
 
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import pytest
+
+from support.paths import ROOT
 
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
-POLICY = Path(__file__).parents[2] / "config" / "sros2" / "policy.xml"
+POLICY = ROOT / "config" / "sros2" / "policy.xml"
 NODE = "wheelset_track_sim"
 
 

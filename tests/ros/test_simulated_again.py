@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
-from wheelset_track_sim.recording import Bag
+from wheelset_track_sim.bags import Bag
 from wheelset_track_sim.twin import simulate_again
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]

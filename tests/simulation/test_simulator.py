@@ -2,10 +2,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from advancing import advance_to
 
+from support.advancing import advance_to
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 

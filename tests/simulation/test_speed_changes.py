@@ -5,12 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from advancing import advance_to
 
+from support.advancing import advance_to
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import SetPoint, load_scenario
-from wheelset_track_sim.simulation.block import SampleBlock
-from wheelset_track_sim.simulation.simulator import Revision, Simulator
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
+from wheelset_track_sim.simulation.changes import Revision
+from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.speed import LEVEL
 
 pytestmark = pytest.mark.slow

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from wheelset_track_sim.yaml12 import dump
+from wheelset_track_sim.inputs.yaml12 import dump
 
 SMALL: dict[str, Any] = {
     "title": "Two depths at two speeds",

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from wheelset_track_sim.scenario import SetPoint, load_scenario
+from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.simulation.summary import summarise
 from wheelset_track_sim.studies.evaluate import Job, Result, evaluate, program
 
 PLAN = (SetPoint(0.04, 28.6), SetPoint(0.065, 27.0))

@@ -10,16 +10,10 @@ import numpy as np
 import pytest
 from matplotlib import image
 
+from wheelset_track_sim.dynamics.causal import causal_model
+from wheelset_track_sim.dynamics.causal_kernels import advance, displacements
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import Output, Scenario, load_scenario
-from wheelset_track_sim.simulation.causal import causal_model
-from wheelset_track_sim.simulation.causal_kernels import advance, displacements
-from wheelset_track_sim.structures.reduced_wheelset import ReducedWheelset
-from wheelset_track_sim.structures.track import load_track
-from wheelset_track_sim.structures.track_balance import moving_track
-from wheelset_track_sim.structures.track_ring import track_ring
-from wheelset_track_sim.structures.wheelset import load_wheelset
-from wheelset_track_sim.structures.wheelset_reduction import mode_shapes, reduced_wheelset
+from wheelset_track_sim.scenario.scenario import Output, Scenario, load_scenario
 from wheelset_track_sim.studies import (
     drawing,
     moving_green_functions,
@@ -27,6 +21,12 @@ from wheelset_track_sim.studies import (
     wheelset_modes,
     wheelset_receptances,
 )
+from wheelset_track_sim.track.balance import moving_track
+from wheelset_track_sim.track.ring import track_ring
+from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.wheelset.reduced import ReducedWheelset
+from wheelset_track_sim.wheelset.reduction import mode_shapes, reduced_wheelset
+from wheelset_track_sim.wheelset.wheelset import load_wheelset
 
 pytestmark = pytest.mark.slow
 

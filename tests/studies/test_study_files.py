@@ -1,12 +1,12 @@
 import dataclasses
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 
-from wheelset_track_sim import shipped
+from support.paths import ROOT
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import load_scenario, scenario_from
+from wheelset_track_sim.inputs import shipped
+from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
 from wheelset_track_sim.studies.registry import FIGURES
 from wheelset_track_sim.studies.results import published
 from wheelset_track_sim.studies.study import load_study
@@ -173,7 +173,7 @@ def test_the_papers_values_stand_beside_its_own_cases_alone() -> None:
 
 
 def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
-    text = (Path(__file__).parents[2] / "docs" / "studies.md").read_text().partition("## A study of your own\n")[2]
+    text = (ROOT / "docs" / "studies.md").read_text().partition("## A study of your own\n")[2]
     lines = [line[4:] for line in text.splitlines() if line.startswith("    ")]
     (tmp_path / "mine.yaml").write_text("\n".join(lines))
     runs = load_study(tmp_path / "mine.yaml").runs()

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from wheelset_track_sim.bags import Bag, BagWriter, RunInfo, read
+from wheelset_track_sim.bags.inputs import Input
 from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.irregularities import Breakout, Harmonic, Polygon, Squat
-from wheelset_track_sim.loads import Loads
-from wheelset_track_sim.recording import Bag, BagWriter, RunInfo, read
-from wheelset_track_sim.recording.inputs import Input
-from wheelset_track_sim.recording.origin import run_info, state, states
-from wheelset_track_sim.recording.run_writer import RunWriter
-from wheelset_track_sim.scenario import WHEELS, Scenario, load_scenario
+from wheelset_track_sim.live.origin import run_info, state, states
+from wheelset_track_sim.live.run_writer import RunWriter
+from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.scenario.loads import Loads
+from wheelset_track_sim.scenario.scenario import WHEELS, Scenario, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.simulation.summary import summarise
 from wheelset_track_sim.twin import simulate_again
 
 pytestmark = pytest.mark.slow

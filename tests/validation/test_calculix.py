@@ -11,12 +11,12 @@ import pytest
 
 from tools.calculix_wheelset import as_yaml, by_calculix
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.structures.reduced_wheelset import ReducedWheelset
-from wheelset_track_sim.structures.wheelset import Wheelset, load_wheelset
-from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheelset
-from wheelset_track_sim.structures.wheelsets import load_any_wheelset, reduce_wheelset
+from wheelset_track_sim.wheelset.kinds import load_any_wheelset, reduce_wheelset
+from wheelset_track_sim.wheelset.reduced import ReducedWheelset
+from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
 
 pytestmark = pytest.mark.slow
 MODES = 10

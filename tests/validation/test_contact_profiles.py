@@ -18,9 +18,9 @@ from wheelset_track_sim.contact import (
 )
 from wheelset_track_sim.contact.law_kernels import solve_contact, tabulated_force, total_separation
 from wheelset_track_sim.irregularities import Breakout, Roughness
-from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.surfaces import contact_geometry
-from wheelset_track_sim.structures.wheelset import load_wheelset
+from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.simulation.contact_geometry import contact_geometry
+from wheelset_track_sim.wheelset.wheelset import load_wheelset
 
 pytestmark = pytest.mark.slow
 

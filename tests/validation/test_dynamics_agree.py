@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from wheelset_track_sim.dynamics.paper import PaperModel
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.block import SampleBlock
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
-from wheelset_track_sim.simulation.paper import PaperModel
 from wheelset_track_sim.simulation.simulator import Simulator
 
 STATIC = 98.1e3

@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from line_elements import Elements
 from scipy.sparse.linalg import splu
 
-from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.line import LineModel
-from wheelset_track_sim.simulation.line_kernels import Line, move
+from support.line_elements import Elements
+from wheelset_track_sim.dynamics.line import LineModel
+from wheelset_track_sim.dynamics.line_kernels import Line, move
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
-from wheelset_track_sim.structures.supports import along
-from wheelset_track_sim.structures.track import Track, load_track
-from wheelset_track_sim.structures.track_line import track_line
+from wheelset_track_sim.track.line import track_line
+from wheelset_track_sim.track.supports import along
+from wheelset_track_sim.track.track import Track, load_track
 
 pytestmark = pytest.mark.slow
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from scipy.special import jvp
 
-from wheelset_track_sim.structures.harmonic_elements import free_unknowns, stiffness_and_mass
-from wheelset_track_sim.structures.section_mesh import divided, grid, joined
-from wheelset_track_sim.structures.wheelset_parts import Material
+from wheelset_track_sim.wheelset.harmonic_elements import free_unknowns, stiffness_and_mass
+from wheelset_track_sim.wheelset.parts import Material
+from wheelset_track_sim.wheelset.section_mesh import divided, grid, joined
 
 STEEL = Material(density=7810.0, youngs_modulus=210e9, poissons_ratio=0.3, mass_damping=0.0, stiffness_damping=0.0)
 RADIUS, LENGTH = 0.09, 0.4

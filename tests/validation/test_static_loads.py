@@ -10,19 +10,19 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from scipy.special import i0e, i1e
 
-from wheelset_track_sim.stress.principal import maximum_principal
-from wheelset_track_sim.structures.harmonic_elements import free_unknowns, stiffness_and_mass
-from wheelset_track_sim.structures.section_mesh import SectionMesh, divided, grid, joined
-from wheelset_track_sim.structures.static_loads import (
+from wheelset_track_sim.samples.principal import maximum_principal
+from wheelset_track_sim.wheelset.harmonic_elements import free_unknowns, stiffness_and_mass
+from wheelset_track_sim.wheelset.harmonics import on_surface
+from wheelset_track_sim.wheelset.parts import Axle, AxleSection
+from wheelset_track_sim.wheelset.section_mesh import SectionMesh, divided, grid, joined
+from wheelset_track_sim.wheelset.static_loads import (
     lame_pressure,
     nominal_torsion,
     press_fit_stress,
     reacted,
     torsion_stress,
 )
-from wheelset_track_sim.structures.wheelset import Wheelset, load_wheelset
-from wheelset_track_sim.structures.wheelset_harmonics import on_surface
-from wheelset_track_sim.structures.wheelset_parts import Axle, AxleSection
+from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
 
 RADIUS = 0.09
 INTERFERENCE = 2.5e-4

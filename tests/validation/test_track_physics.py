@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import argrelmax, argrelmin
 
-from wheelset_track_sim.structures import bloch, track_fe
-from wheelset_track_sim.structures.bay import half_sleeper
-from wheelset_track_sim.structures.track import HALVES, Track, load_track
+from wheelset_track_sim.track import bloch
+from wheelset_track_sim.track import finite_elements as track_fe
+from wheelset_track_sim.track.bay import half_sleeper
+from wheelset_track_sim.track.track import HALVES, Track, load_track
 
 pytestmark = pytest.mark.slow
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from wheelset_track_sim.simulation.hold import hold_coefficients
-from wheelset_track_sim.structures import bloch
-from wheelset_track_sim.structures.track import HALVES, load_track
-from wheelset_track_sim.structures.track_ring import HalfRing, TrackRing, track_ring
+from wheelset_track_sim.dynamics.hold import hold_coefficients
+from wheelset_track_sim.track import bloch
+from wheelset_track_sim.track.ring import HalfRing, TrackRing, track_ring
+from wheelset_track_sim.track.track import HALVES, load_track
 
 pytestmark = pytest.mark.slow
 

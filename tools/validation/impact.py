@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelset_track_sim.green.moving import moving_green_functions
-from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.simulation.causal import CausalModel
-from wheelset_track_sim.simulation.hold import hold_coefficients
+from wheelset_track_sim.dynamics.causal import CausalModel
+from wheelset_track_sim.dynamics.hold import hold_coefficients
+from wheelset_track_sim.dynamics.moving_green_functions import moving_green_functions
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
-from wheelset_track_sim.structures import bloch
-from wheelset_track_sim.structures.track import Track, load_track
+from wheelset_track_sim.track import bloch
+from wheelset_track_sim.track.track import Track, load_track
 
 from .figures import impact_figure
 from .load_cases import printed as printed_value

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from wheelset_track_sim.contact import approach_for_force
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.dynamics.paper import PaperModel
+from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
-from wheelset_track_sim.simulation.paper import PaperModel
-from wheelset_track_sim.structures import bloch
-from wheelset_track_sim.structures.track import load_track
-from wheelset_track_sim.structures.wheelset_reduction import reduced_wheelset
+from wheelset_track_sim.track import bloch
+from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
 from . import sampled
 from .figures import ripple_figure

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelset_track_sim.cache import digest
+from wheelset_track_sim.dynamics.interface import DynamicsModel
+from wheelset_track_sim.dynamics.interface_kernels import advance, displacements
 from wheelset_track_sim.errors import ContactError
-from wheelset_track_sim.scenario import Scenario, load_scenario
-from wheelset_track_sim.simulation.dynamics import DynamicsModel
-from wheelset_track_sim.simulation.dynamics_kernels import advance, displacements
+from wheelset_track_sim.runtime.cache import digest
+from wheelset_track_sim.samples.principal import maximum_principal
+from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import CHANGEABLE, Simulator
-from wheelset_track_sim.stress.principal import maximum_principal
 
 from .store import recall, this_module
 

@@ -15,15 +15,15 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelset_track_sim.green.functions import green_function, integrated
-from wheelset_track_sim.green.moving import moving_green_functions
-from wheelset_track_sim.scenario import Scenario
+from wheelset_track_sim.dynamics.green_functions import green_function, integrated
+from wheelset_track_sim.dynamics.moving_green_functions import moving_green_functions
+from wheelset_track_sim.dynamics.paper import PaperModel
+from wheelset_track_sim.dynamics.paper_kernels import Paper
+from wheelset_track_sim.scenario.scenario import Scenario
 from wheelset_track_sim.simulation import simulator
 from wheelset_track_sim.simulation.models import Models
-from wheelset_track_sim.simulation.paper import PaperModel
-from wheelset_track_sim.simulation.paper_kernels import Paper
-from wheelset_track_sim.structures.bloch import bloch_track
-from wheelset_track_sim.structures.track import HALVES, Track
+from wheelset_track_sim.track.bloch import bloch_track
+from wheelset_track_sim.track.track import HALVES, Track
 
 Real = NDArray[np.float64]
 How = Literal["nearest", "linear"]

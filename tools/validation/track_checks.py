@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import argrelmax, argrelmin
 
-from wheelset_track_sim.scenario import Scenario
-from wheelset_track_sim.simulation.causal import causal_model
+from wheelset_track_sim.dynamics.causal import causal_model
+from wheelset_track_sim.scenario.scenario import Scenario
 from wheelset_track_sim.simulation.models import Models
-from wheelset_track_sim.structures import bay, bloch, track_fe
-from wheelset_track_sim.structures.bay import HalfSleeper, half_sleeper
-from wheelset_track_sim.structures.track import Half, Track, load_track
-from wheelset_track_sim.structures.track_balance import ORDER, MovingTrack, balanced
-from wheelset_track_sim.structures.track_ring import track_ring
-from wheelset_track_sim.structures.wheelset_reduction import reduced_wheelset
+from wheelset_track_sim.track import bay, bloch
+from wheelset_track_sim.track import finite_elements as track_fe
+from wheelset_track_sim.track.balance import ORDER, MovingTrack, balanced
+from wheelset_track_sim.track.bay import HalfSleeper, half_sleeper
+from wheelset_track_sim.track.ring import track_ring
+from wheelset_track_sim.track.track import Half, Track, load_track
+from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
 from .store import recall, this_module
 

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.stress.principal import maximum_principal
-from wheelset_track_sim.structures.harmonic_elements import nodal_stress
-from wheelset_track_sim.structures.reduced_wheelset import ReducedWheelset
-from wheelset_track_sim.structures.section_mesh import SectionMesh
-from wheelset_track_sim.structures.stress_points import around_axle
-from wheelset_track_sim.structures.wheelset import MeshSize, Wheelset, load_wheelset
-from wheelset_track_sim.structures.wheelset_harmonics import HARMONICS, harmonic
-from wheelset_track_sim.structures.wheelset_mesh import stress_fillet, wheelset_mesh
-from wheelset_track_sim.structures.wheelset_reduction import build_reduced_wheelset, reduced_wheelset
+from wheelset_track_sim.samples.principal import maximum_principal
+from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
+from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
+from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
+from wheelset_track_sim.wheelset.reduced import ReducedWheelset
+from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset, reduced_wheelset
+from wheelset_track_sim.wheelset.section_mesh import SectionMesh
+from wheelset_track_sim.wheelset.stress_points import around_axle
+from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
 
 from .store import ROOT, recall, this_module
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..runtime.jit import kernel
 
 CONVERGED = 0
 NOT_CONVERGED = 1

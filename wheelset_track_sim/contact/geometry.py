@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..schema import check, quantity
+from ..inputs.schema import check, quantity
 from .influence import contact_modulus
 from .profiles import Profile, RailHead, Straight
 

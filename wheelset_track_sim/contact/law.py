@@ -16,8 +16,8 @@ from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
 from .law_kernels import ContactLaw
-from .nested import nested_contacts, no_nested_contacts
-from .order_kernels import NestedContacts
+from .ordered.nested import nested_contacts, no_nested_contacts
+from .ordered.order_kernels import NestedContacts
 from .potential_area import evenly_spaced, potential_contact_area
 from .tables import Progress, force_tables
 from .windows import windows

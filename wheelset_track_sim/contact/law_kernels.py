@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import inner_kernel, kernel
+from ..runtime.jit import inner_kernel, kernel
 from .active_set_kernels import solve_active_set
-from .nested_kernels import solve_in_order
-from .order_kernels import FAR, NestedContacts, gaps_in_order
+from .ordered.nested_kernels import solve_in_order
+from .ordered.order_kernels import FAR, NestedContacts, gaps_in_order
 
 
 class ContactLaw(NamedTuple):

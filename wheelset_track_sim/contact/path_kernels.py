@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..runtime.jit import kernel
 from .active_set_kernels import at_border, pair
 
 BLOCK = 64

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import ContactError, InputError
 from ..irregularities.surface import WHEELS
-from ..jit import Address
+from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
 

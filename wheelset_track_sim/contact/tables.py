@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import cache
 from ..errors import ContactError
+from ..runtime import cache
 from . import active_set_kernels, path_kernels
 from .path_kernels import follow_path
 

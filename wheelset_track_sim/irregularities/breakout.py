@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..schema import quantity
+from ..inputs.schema import quantity
 from .surface import WHEELS, Patch, Surface, check_shape
 
 TREAD_HALF_WIDTH = 0.050

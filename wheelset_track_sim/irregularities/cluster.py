@@ -12,7 +12,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import check, quantity, quantity_of
+from ..inputs.schema import check, quantity, quantity_of
 from .breakout import Breakout
 from .surface import WHEELS, Patch, Surface, check_shape
 

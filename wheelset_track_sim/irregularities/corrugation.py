@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import quantity
+from ..inputs.schema import quantity
 from .stretch import check_stretch, part_of, ramp, start
 from .surface import RAILS, Patch, Surface, check_shape
 

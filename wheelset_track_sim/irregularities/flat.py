@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import Quantity, quantity
+from ..inputs.schema import Quantity, quantity
 from .surface import WHEELS, Patch, Surface, check_shape
 
 WORN = Quantity("m", 0.005, 0.5, "the length of the rounded flat")

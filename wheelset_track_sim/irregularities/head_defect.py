@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..schema import quantity
+from ..inputs.schema import quantity
 from .breakout import TREAD_HALF_WIDTH, hollow
 from .surface import RAILS, Patch, Surface, check_shape
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..schema import quantity
+from ..inputs.schema import quantity
 from .head_defect import position
 from .surface import RAILS, Patch, Surface, check_shape
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ..errors import InputError
-from ..schema import read
-from ..yaml12 import parse
+from ..inputs.schema import read
+from ..inputs.yaml12 import parse
 from . import AnyIrregularity
 
 LONGEST = 256 * 1024

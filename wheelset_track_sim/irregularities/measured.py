@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import resample_poly
 
-from .. import shipped
 from ..errors import InputError
-from ..schema import quantity
+from ..inputs import shipped
+from ..inputs.schema import quantity
 from .sample_file import Samples, read_table, samples_of
 from .stretch import part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import check, quantity
+from ..inputs.schema import check, quantity
 from .surface import WHEELS, Patch, Surface, check_shape
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..schema import Quantity, quantity
+from ..inputs.schema import Quantity, quantity
 from .stretch import check_stretch, part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..shipped import table_text
+from ..inputs.shipped import table_text
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import Quantity, quantity
+from ..inputs.schema import Quantity, quantity
 from .surface import Surface
 
 LENGTH = Quantity("m", 0.01, 1e4, "the length of the stretch")

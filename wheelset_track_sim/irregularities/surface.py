@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..schema import check
+from ..inputs.schema import check
 
 Real = NDArray[np.float64]
 

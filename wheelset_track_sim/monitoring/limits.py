@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..errors import InputError
-from ..schema import check, quantity
+from ..inputs.schema import check, quantity
 
 IN_ORDER = (("stress_warn", "stress_error"), ("lag_warn", "lag_error"), ("pace_error", "pace_warn"))
 """Limits of which the first must not be above the second."""

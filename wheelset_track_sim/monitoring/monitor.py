@@ -8,12 +8,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from ..scenario import WHEELS
-from ..simulation.block import SampleBlock
-from ..simulation.streaming import Timing
-from ..simulation.summary import Summary
-from ..simulation.turns import NO_TURN
-from ..simulation.watch import Seen
+from ..live.stream import Timing
+from ..live.watch import Seen
+from ..samples.block import SampleBlock
+from ..samples.summary import Summary
+from ..samples.turns import NO_TURN
+from ..scenario.scenario import WHEELS
 from .limits import Limits
 from .status import (
     Level,

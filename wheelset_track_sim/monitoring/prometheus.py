@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from wsgiref.simple_server import WSGIRequestHandler, WSGIServer, make_server
 
 from ..errors import InputError
-from ..scenario import WHEELS
-from ..simulation.block import SampleBlock
-from ..simulation.streaming import Timing
-from ..simulation.summary import Summary
-from ..simulation.watch import Seen
+from ..live.stream import Timing
+from ..live.watch import Seen
+from ..samples.block import SampleBlock
+from ..samples.summary import Summary
+from ..scenario.scenario import WHEELS
 from .status import Status
 
 if TYPE_CHECKING:

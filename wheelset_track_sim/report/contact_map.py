@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ..contact.law import build_contact_law
 from ..contact.solutions import approach_for_force, solve_patch
 from ..irregularities import Breakout, breakouts
-from ..scenario import WHEELS, Scenario
-from ..simulation.surfaces import contact_geometry
-from ..structures.wheelsets import load_any_wheelset
+from ..scenario.scenario import WHEELS, Scenario
+from ..simulation.contact_geometry import contact_geometry
+from ..wheelset.kinds import load_any_wheelset
 
 MARGIN = 2
 """Elements shown around the contact."""

@@ -12,8 +12,8 @@ from bokeh.models.layouts import LayoutDOM
 from bokeh.resources import Resources
 
 from ..errors import ContactError, InputError
-from ..measured import Comparison
-from ..scenario import Scenario
+from ..scenario.scenario import Scenario
+from ..twin.measured import Comparison
 from . import measured, plots, sections
 from .assets import STYLE, asset
 from .contact_map import ContactMap, contact_map

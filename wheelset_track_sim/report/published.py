@@ -9,8 +9,8 @@ from math import nan
 from typing import Any
 
 from ..irregularities import Breakout
-from ..scenario import Scenario
-from ..simulation.summary import NodeStress, Summary, WheelLoad
+from ..samples.summary import NodeStress, Summary, WheelLoad
+from ..scenario.scenario import Scenario
 
 SPEED = 100 / 3.6
 """m/s, Section 5."""

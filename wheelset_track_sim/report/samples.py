@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..simulation.block import SampleBlock
+from ..samples.block import SampleBlock
 
 WHEELS = 2
 """Columns of ``Samples.values`` that are contact forces; the others are stresses."""

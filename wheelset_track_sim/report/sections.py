@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from html import escape
 
-from ..simulation.impacts import Impact
+from ..samples.impacts import Impact
 from .assets import PAPER
 from .contact_map import ContactMap
 from .spectrum import Spectrum

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ..bags import Bag, Loss, RunInfo, State
 from ..errors import InputError
-from ..recording import Bag, Loss, RunInfo, State
-from ..scenario import Scenario, scenario_from
-from ..simulation.block import SampleBlock
-from ..simulation.impacts import Impact, ImpactDetector, ImpactSettings
-from ..simulation.summary import Summary, combine, summarise
-from ..structures.wheelsets import load_any_wheelset
-from ..yaml12 import parse
+from ..inputs.yaml12 import parse
+from ..samples.block import SampleBlock
+from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
+from ..samples.summary import Summary, combine, summarise
+from ..scenario.scenario import Scenario, scenario_from
+from ..wheelset.kinds import load_any_wheelset
 from .closeups import Closeup, Closeups
 from .envelope import Bins, Envelope
 from .published import LoadCase, published_case

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
-from ..simulation.summary import Summary
+from ..samples.summary import Summary
 from .survey import Passage, Survey
 
 

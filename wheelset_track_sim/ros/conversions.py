@@ -10,8 +10,8 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
 
+from ..bags.messages import FRAME, NANOSECOND
 from ..monitoring.status import Status
-from ..recording.messages import FRAME, NANOSECOND
 
 
 def message_type(kind: str) -> Any:

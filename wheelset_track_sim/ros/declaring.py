@@ -10,7 +10,7 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.node import Node
 
 from ..errors import InputError
-from ..schema import Quantity
+from ..inputs.schema import Quantity
 
 OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 KINDS = {

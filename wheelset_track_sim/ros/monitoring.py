@@ -10,15 +10,15 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from ..live.stream import Timing
+from ..live.watch import Seen, Watch
 from ..monitoring.monitor import Monitor
 from ..monitoring.prometheus import Endpoint, Metrics
 from ..monitoring.status import Level, Status
-from ..simulation.block import SampleBlock
-from ..simulation.impacts import Impact
+from ..samples.block import SampleBlock
+from ..samples.impacts import Impact
+from ..samples.summary import Summary
 from ..simulation.simulator import Simulator
-from ..simulation.streaming import Timing
-from ..simulation.summary import Summary
-from ..simulation.watch import Seen, Watch
 from .conversions import diagnostics
 from .parameters import Parameters, Watching
 

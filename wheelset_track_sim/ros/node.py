@@ -16,19 +16,19 @@ from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallba
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
-from ..recording.settings import RecordSettings
+from ..live.recorder import Recorder
+from ..live.revisions import Revisions
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
+from .answers import answer_always
 from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
-from .recorder import Recorder
-from .revisions import Revisions
 from .run import Run
 from .services import Services
-from .serving import answer_always
 
 NAME = "wheelset_track_sim"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE

@@ -9,12 +9,12 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..recording.messages import Message, sample_messages, stress_topic
-from ..recording.rosbag2_metadata import DEPTH, LATCHED_TOPICS
-from ..simulation.block import SampleBlock
-from ..simulation.decimation import BlockDecimator
+from ..bags.messages import Message, sample_messages, stress_topic
+from ..bags.rosbag2_metadata import DEPTH, LATCHED_TOPICS
+from ..samples.block import SampleBlock
+from ..samples.decimation import BlockDecimator
+from .acknowledged import wait_for_subscribers
 from .conversions import message_type
-from .farewell import wait_for_subscribers
 
 
 class Outputs:

@@ -10,16 +10,16 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ..bags.settings import RecordSettings
 from ..errors import InputError
+from ..inputs.schema import Quantity, quantity_of
 from ..irregularities import Breakout
+from ..live.pacing import Pace
 from ..monitoring.limits import Limits
-from ..recording.settings import RecordSettings
-from ..scenario import Scenario, load_scenario
-from ..schema import Quantity, quantity_of
-from ..simulation.decimation import FACTOR
-from ..simulation.impacts import ImpactSettings
-from ..simulation.pacing import Pace
-from ..values import SCENARIO_NUMBERS, Values, values_of, with_values
+from ..samples.decimation import FACTOR
+from ..samples.impacts import ImpactSettings
+from ..scenario.scenario import Scenario, load_scenario
+from ..scenario.values import SCENARIO_NUMBERS, Values, values_of, with_values
 from .declaring import declare, described, fixed, number, warn_of_unknown, whole
 
 T = TypeVar("T")

@@ -11,9 +11,9 @@ from rclpy.executors import MultiThreadedExecutor
 
 from ..errors import InputError
 from ..simulation.fleet import ModelPool
+from .hosting import Ending, Endings, next_ending, own_arguments, session, spinning
 from .names import fleet_names
 from .node import NAME, SimulationNode
-from .session import Ending, Endings, next_ending, own_arguments, session, spinning
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -16,19 +16,19 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from ..bags.playback.chunks import Played
+from ..bags.playback.player import Player
+from ..bags.playback.recorded_bag import RecordedBag
+from ..bags.playback.selection import Selection
+from ..bags.playback.stamps import Restamping, stamp_of, with_stamp
+from ..bags.playback.topics import CLOCK, Topic
+from ..bags.writer import PREFIX
 from ..errors import InputError, WheelsetTrackError
-from ..recording.bag_writer import PREFIX
-from ..replay.bag import RecordedBag
-from ..replay.chunks import Played
-from ..replay.player import Player
-from ..replay.selection import Selection
-from ..replay.stamps import Restamping, stamp_of, with_stamp
-from ..replay.topics import CLOCK, Topic
+from .acknowledged import wait_for_subscribers
+from .answers import answer_always
 from .clock import NodeClock
-from .farewell import wait_for_subscribers
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
-from .serving import answer_always
 
 NAME = PREFIX.strip("/")
 

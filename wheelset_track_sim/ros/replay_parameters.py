@@ -8,10 +8,10 @@ from typing import Any
 
 from rclpy.node import Node
 
+from ..bags.playback.settings import Playback
+from ..bags.playback.topics import Topic
 from ..errors import InputError
-from ..replay.settings import Playback
-from ..replay.topics import Topic
-from ..schema import Quantity, quantity_of
+from ..inputs.schema import Quantity, quantity_of
 from .declaring import declare, fixed, flag, number, warn_of_unknown
 
 START_UP = {

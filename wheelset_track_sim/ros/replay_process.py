@@ -10,8 +10,8 @@ from typing import Any
 from rclpy.executors import SingleThreadedExecutor
 
 from ..errors import InputError
+from .hosting import Ending, next_ending, own_arguments, session, spinning
 from .replay import ReplayNode
-from .session import Ending, next_ending, own_arguments, session, spinning
 
 FAREWELL = 1.0
 """Time for who asked last, such as for ``stop``, to take the answer, s: what is not taken goes with its sender."""

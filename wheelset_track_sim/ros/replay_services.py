@@ -12,7 +12,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from std_srvs.srv import Trigger
 
 from ..errors import WheelsetTrackError
-from .serving import Answer, served
+from .answers import Answer, served
 
 if TYPE_CHECKING:
     from .replay import ReplayNode

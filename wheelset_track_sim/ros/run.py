@@ -9,19 +9,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..bags.messages import State, chunk_messages, impact_message, state_message
 from ..errors import InputError, RecordingError
-from ..recording.messages import State, chunk_messages, impact_message, state_message
-from ..recording.origin import state, states
-from ..simulation.block import SampleBlock
-from ..simulation.contacts import Contacts
-from ..simulation.pacing import Pace
+from ..live.origin import state, states
+from ..live.pacing import Pace
+from ..live.recorder import Recorder
+from ..live.stream import Stream, Timing
+from ..samples.block import SampleBlock
+from ..samples.summary import summarise
+from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
-from ..simulation.streaming import Stream, Timing
-from ..simulation.summary import summarise
 from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
-from .recorder import Recorder
 
 RUNNING, PAUSED, FAILED = range(3)
 """Status in SimulationState."""

@@ -16,10 +16,10 @@ from wheelset_track_msgs.msg import TreadDamageArray
 from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
 
 from ..errors import InputError
+from ..live.recorder import path_below
+from ..live.revisions import Outcome
+from .answers import Answer, served
 from .conversions import header
-from .recorder import path_below
-from .revisions import Outcome
-from .serving import Answer, served
 
 if TYPE_CHECKING:
     from .node import SimulationNode

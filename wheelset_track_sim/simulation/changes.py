@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..contact.law_kernels import ContactLaw
-from ..scenario import Scenario
+from ..scenario.scenario import Scenario
 from .passage import passage
 
 START = 6

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..jit import cache_folder
+from ..runtime.jit import cache_folder
 
 DONE = "compiled"
 """File in the folder of kernels which says that those of a run are there."""
@@ -48,16 +48,16 @@ def compiled_meanwhile() -> Iterator[None]:
 def compile_kernels() -> None:
     """Compile the kernels of a run: take a step of a system of two modes, for the compiler looks at types alone."""
     from ..contact.geometry import ContactGeometry
-    from ..contact.nested import no_nested_contacts
-    from ..scenario import load_scenario
-    from ..structures.reduced_wheelset import ReducedWheelset
-    from ..structures.track_balance import HalfTrack, MovingTrack
-    from .block import SampleBlock
-    from .causal import causal_model
+    from ..contact.ordered.nested import no_nested_contacts
+    from ..dynamics.causal import causal_model
+    from ..samples.block import SampleBlock
+    from ..samples.summary import summarise
+    from ..scenario.scenario import load_scenario
+    from ..track.balance import HalfTrack, MovingTrack
+    from ..wheelset.reduced import ReducedWheelset
     from .changes import Condition, Revision
     from .coupled import Coupled
     from .models import Models, described
-    from .summary import summarise
 
     scenario = load_scenario("undamaged")
     wheelset, track, _ = described(scenario)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw, tabulated_force
-from ..jit import kernel
-from .dynamics_kernels import advance, displacements, stresses
+from ..dynamics.interface_kernels import advance, displacements, stresses
+from ..runtime.jit import kernel
 
 
 @kernel

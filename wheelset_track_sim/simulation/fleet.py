@@ -11,9 +11,9 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 from weakref import WeakValueDictionary
 
-from ..cache import digest
-from ..scenario import Scenario
-from .block import SampleBlock
+from ..runtime.cache import digest
+from ..samples.block import SampleBlock
+from ..scenario.scenario import Scenario
 from .models import Models, Progress, described, load_models
 from .simulator import CHANGEABLE, Simulator
 

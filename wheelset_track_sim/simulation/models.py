@@ -11,27 +11,27 @@ from typing import Literal
 import numpy as np
 
 from .. import __version__
-from ..cache import digest
 from ..contact.geometry import ContactGeometry
 from ..contact.law import build_contact_law
 from ..contact.law_kernels import ContactLaw
+from ..dynamics.causal import causal_model
+from ..dynamics.interface import DynamicsModel
+from ..dynamics.line import line_model
+from ..dynamics.paper import paper_model
+from ..dynamics.running_wheelset import running_wheelset, truncated
 from ..errors import InputError
 from ..irregularities import Irregularity, line_steps
-from ..scenario import Scenario
-from ..structures.reduced_wheelset import ReducedWheelset
-from ..structures.track import Track, load_track
-from ..structures.track_balance import moving_track
-from ..structures.track_line import track_line
-from ..structures.track_ring import MAX_FREQUENCY
-from ..structures.wheelset import Wheelset
-from ..structures.wheelsets import AnyWheelset, load_any_wheelset, reduce_wheelset
-from .causal import causal_model
+from ..runtime.cache import digest
+from ..scenario.scenario import Scenario
+from ..track.balance import moving_track
+from ..track.line import track_line
+from ..track.ring import MAX_FREQUENCY
+from ..track.track import Track, load_track
+from ..wheelset.kinds import AnyWheelset, load_any_wheelset, reduce_wheelset
+from ..wheelset.reduced import ReducedWheelset
+from ..wheelset.wheelset import Wheelset
 from .compilation import compiled_meanwhile
-from .dynamics import DynamicsModel
-from .line import line_model
-from .paper import paper_model
-from .running_wheelset import running_wheelset, truncated
-from .surfaces import contact_geometry
+from .contact_geometry import contact_geometry
 
 Progress = Callable[[str, float], None]
 

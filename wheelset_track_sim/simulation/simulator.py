@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import ContactPatch, approach_for_force
 from ..errors import InputError
-from ..scenario import Scenario
-from .block import COMPONENTS, SampleBlock
-from .changes import Applied, Changes, Condition
-from .changes import Revision as Revision
-from .contacts import Contact
+from ..samples.block import SampleBlock
+from ..scenario.scenario import Scenario
+from ..wheelset.reduced import COMPONENTS
+from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
 from .finite import require_finite
 from .handover import handover
-from .loading import Loading
+from .instants import Contact
 from .models import Models, load_models
+from .preload import Loading
 from .speed import Course, Stretch
 from .superposition import Superposition, followed, superposition
 

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..loads import Loads
-from ..one_core import one_core
-from ..schema import unknown
-from ..structures.imported_wheelset import ImportedWheelset
-from ..structures.reduced_wheelset import ReducedWheelset
-from ..structures.static_loads import check_parts, parts_of, press_fit_stress, reacted, torsion_stress
-from ..structures.wheelsets import AnyWheelset
+from ..inputs.schema import unknown
+from ..runtime.one_core import one_core
+from ..scenario.loads import Loads
+from ..wheelset.imported import ImportedWheelset
+from ..wheelset.kinds import AnyWheelset
+from ..wheelset.reduced import ReducedWheelset
+from ..wheelset.static_loads import check_parts, parts_of, press_fit_stress, reacted, torsion_stress
 
 Real = NDArray[np.float64]
 

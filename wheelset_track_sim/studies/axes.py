@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import InputError
-from ..schema import unknown
+from ..inputs.schema import unknown
 from . import units
 
 MOST_POINTS = 10_000

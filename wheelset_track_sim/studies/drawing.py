@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..report.figures import COLOURS, STYLE, finish
-from ..scenario import Scenario
+from ..scenario.scenario import Scenario
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -11,17 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__, contact, green, irregularities, simulation, stress, structures
-from ..cache import digest
+from .. import __version__, contact, dynamics, irregularities, samples, simulation, track, wheelset
 from ..errors import WheelsetTrackError
 from ..irregularities import rail_heights, tread_heights
 from ..irregularities.surface import RAILS
-from ..scenario import WHEELS, Scenario
-from ..simulation.block import SampleBlock
+from ..runtime.cache import digest
+from ..samples.block import SampleBlock
+from ..samples.principal import maximum_principal
+from ..samples.summary import Summary, combine, summarise
+from ..scenario.scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
-from ..simulation.summary import Summary, combine, summarise
-from ..stress.principal import maximum_principal
 from .outputs import value_of
 
 Real = NDArray[np.float64]
@@ -86,7 +86,7 @@ class Result:
 @cache
 def program() -> str:
     """Digest of the program: its version and the sources that simulate."""
-    return digest(__version__, contact, green, irregularities, simulation, stress, structures)
+    return digest(__version__, contact, dynamics, irregularities, samples, simulation, track, wheelset)
 
 
 def evaluate(job: Job, made_for: str) -> Result:

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..inputs.schema import unknown
 from ..report.figures import COLOURS
-from ..scenario import WHEELS
-from ..schema import unknown
-from ..structures.track import load_track
+from ..scenario.scenario import WHEELS
+from ..track.track import load_track
 from . import drawing, units
 
 if TYPE_CHECKING:

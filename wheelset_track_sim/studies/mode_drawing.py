@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
-from ..structures.section_mesh import SectionMesh
+from ..wheelset.section_mesh import SectionMesh
 
 Real = NDArray[np.float64]
 Nodes = NDArray[np.int64]

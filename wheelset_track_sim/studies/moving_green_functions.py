@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..green.functions import integrated
-from ..green.moving import moving_green_functions
+from ..dynamics.green_functions import integrated
+from ..dynamics.hold import hold_coefficients
+from ..dynamics.moving_green_functions import moving_green_functions
 from ..report.figures import COLOURS, finish
-from ..scenario import Scenario
-from ..simulation.hold import hold_coefficients
-from ..structures.track import Track, load_track
-from ..structures.track_ring import MAX_FREQUENCY, HalfRing, TrackRing, track_ring
+from ..scenario.scenario import Scenario
+from ..track.ring import MAX_FREQUENCY, HalfRing, TrackRing, track_ring
+from ..track.track import Track, load_track
 from . import drawing
 from .drawing import Look, Progress
 

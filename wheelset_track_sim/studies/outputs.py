@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..errors import InputError
-from ..scenario import WHEELS
-from ..schema import unknown
-from ..simulation.summary import Summary
+from ..inputs.schema import unknown
+from ..samples.summary import Summary
+from ..scenario.scenario import WHEELS
 
 OF_WHEELS = {
     "max_force": ("contact force", "max", "N"),

@@ -11,8 +11,8 @@ from importlib import import_module
 from pathlib import Path
 
 from ..errors import InputError
-from ..scenario import Scenario
-from ..schema import unknown
+from ..inputs.schema import unknown
+from ..scenario.scenario import Scenario
 
 Progress = Callable[[str, float], None]
 Draw = Callable[[Path, Scenario, Progress | None], list[Path]]

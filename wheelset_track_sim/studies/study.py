@@ -9,16 +9,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from .. import shipped
-from ..cache import digest
 from ..errors import InputError
-from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
-from ..schema import check, quantity, read, unknown
+from ..inputs import shipped
+from ..inputs.schema import check, quantity, read, unknown
+from ..runtime.cache import digest
+from ..scenario.scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
 from ..simulation.models import described
 from .axes import Axis, Point, read_axis
+from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
-from .lines import Lines
 from .outputs import check_output
 from .pressure_maps import PressureMaps
 from .registry import check_figure

@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ..report.figures import COLOURS
-from ..scenario import Scenario
-from ..structures import bloch, track_fe
-from ..structures.track import Track, load_track
+from ..scenario.scenario import Scenario
+from ..track import bloch
+from ..track import finite_elements as track_fe
+from ..track.track import Track, load_track
 from . import drawing
 from .drawing import Complex, Look, Progress
 

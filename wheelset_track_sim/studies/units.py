@@ -6,9 +6,9 @@ import typing
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from ..scenario import BAND, Scenario
-from ..structures.track import Track
-from ..structures.wheelset import Wheelset
+from ..scenario.scenario import BAND, Scenario
+from ..track.track import Track
+from ..wheelset.wheelset import Wheelset
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from matplotlib.cm import ScalarMappable
 
 from ..errors import InputError
 from ..report.figures import COLOURS
-from ..scenario import Scenario
-from ..structures.reduced_wheelset import COMPONENTS, ReducedWheelset
-from ..structures.section_mesh import SectionMesh
-from ..structures.wheelset import Wheelset, load_wheelset
-from ..structures.wheelset_reduction import ModeShapes, mode_shapes, reduced_wheelset
+from ..scenario.scenario import Scenario
+from ..wheelset.reduced import COMPONENTS, ReducedWheelset
+from ..wheelset.reduction import ModeShapes, mode_shapes, reduced_wheelset
+from ..wheelset.section_mesh import SectionMesh
+from ..wheelset.wheelset import Wheelset, load_wheelset
 from . import drawing, mode_drawing
 from .drawing import Progress
 from .mode_drawing import Mode

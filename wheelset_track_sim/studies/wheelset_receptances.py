@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dynamics.green_functions import frequency_grid, green_function
 from ..errors import InputError
-from ..green.functions import frequency_grid, green_function
 from ..report.figures import COLOURS, finish
-from ..scenario import Scenario
-from ..structures.reduced_wheelset import COMPONENTS, ReducedWheelset
-from ..structures.wheelset import Wheelset, load_wheelset
-from ..structures.wheelset_reduction import reduced_wheelset
+from ..scenario.scenario import Scenario
+from ..wheelset.reduced import COMPONENTS, ReducedWheelset
+from ..wheelset.reduction import reduced_wheelset
+from ..wheelset.wheelset import Wheelset, load_wheelset
 from . import drawing
 from .drawing import Look, Progress
 

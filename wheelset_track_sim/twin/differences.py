@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..simulation.block import SampleBlock
+from ..samples.block import SampleBlock
 
 Real = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..scenario import Scenario, override, scenario_from
-from ..values import values_of, with_values
-from ..yaml12 import parse
+from ..inputs.yaml12 import parse
+from ..scenario.scenario import Scenario, override, scenario_from
+from ..scenario.values import values_of, with_values
 
 FIXED = ("name", "step_length")
 """Keys without which samples do not stand where the recorded ones do."""

@@ -1,0 +1,176 @@
+import dataclasses
+import json
+
+import pytest
+
+from wheelset_track_sim.bags import BagWriter, read
+from wheelset_track_sim.bags.bag_copy import BagCopy
+from wheelset_track_sim.bags.inputs import Input
+from wheelset_track_sim.bags.mcap.records import Chunk
+from wheelset_track_sim.bags.mcap.source import McapSource
+from wheelset_track_sim.bags.overview import overview
+from wheelset_track_sim.bags.revisions import Difference, differences, revisions
+from wheelset_track_sim.cli import main
+from wheelset_track_sim.errors import RecordingError
+from wheelset_track_sim.scenario.scenario import load_scenario
+
+
+def copied(path, *groups):
+    """A bag of messages, each group of which is a chunk."""
+    copy = BagCopy(path)
+    for group in groups:
+        copy.write(group, None)
+    copy.finish()
+    return path
+
+
+def stored(path):
+    """Messages of a bag."""
+    with path.open("rb") as stream:
+        source = McapSource(stream, path.name)
+        return [message for chunk in source.scan() if isinstance(chunk, Chunk) for message in source.messages(chunk)]
+
+
+@pytest.fixture
+def bag(tmp_path, run_info, run_blocks, make_state):
+    path = tmp_path / "run"
+    with BagWriter(path, run_info, start_ns=10**18) as writer:
+        writer.write_state(make_state(run_blocks[0]))
+        for block in run_blocks[:2]:
+            writer.write(block)
+        writer.split()
+        writer.write_state(make_state(run_blocks[2]))
+        writer.write(run_blocks[2])
+    return path
+
+
+def test_it_is_what_the_samples_say(bag, run_info):
+    found, recording = overview(bag), read(bag)
+    assert (found.first_step, found.steps, found.start) == (0, len(recording), 0.0)
+    assert found.duration == pytest.approx(recording.time[-1] + recording.step_period[-1], rel=1e-12)
+    assert found.start_ns == recording.start_ns
+    assert found.info == run_info
+    assert found.summary is not None
+    for wheel, expected in zip(found.summary.wheels, recording.summary.wheels, strict=True):
+        assert (wheel.max_force, wheel.min_force) == (expected.max_force, expected.min_force)
+        assert wheel.contact_loss == pytest.approx(expected.contact_loss, rel=1e-12)
+    for node, expected in zip(found.summary.nodes, recording.summary.nodes, strict=True):
+        assert (node.max_principal, node.min_principal) == (expected.max_principal, expected.min_principal)
+    assert found.topics["/wheelset_track_sim/summary"] == ("wheelset_track_msgs/msg/LoadSummary", 3)
+    assert list(found.files) == ["run_0.mcap", "run_1.mcap"]
+    assert found.complete
+    (first, second) = found.revisions
+    assert (first.number, first.step, first.differences) == (0, 0, ())
+    assert (second.number, second.step) == (1, 1390)
+    assert second.differences == (Difference("speed", 27.7777778, 1e3 / 36),)
+
+
+def test_a_bag_without_summaries_is_looked_through(bag, tmp_path):
+    messages = [message for file in sorted(bag.glob("*.mcap")) for message in stored(file)]
+    found = overview(
+        copied(tmp_path / "samples.mcap", [message for message in messages if "Summary" not in message.schema.name])
+    )
+    assert found.summary == overview(bag).summary
+    assert found.steps == overview(bag).steps
+    assert found.info.scenario_name == "undamaged"
+
+
+def test_gaps_and_missing_files_are_told(bag, run_blocks):
+    (bag / "run_0.mcap").unlink()
+    found = overview(bag)
+    assert not found.complete
+    assert [str(loss) for loss in found.losses] == ["run_0.mcap: it is missing"]
+    assert found.first_step == 1390
+
+
+@pytest.mark.parametrize("summaries", [True, False])
+def test_a_gap_is_told_once_with_summaries_or_without(tmp_path, run_info, run_blocks, summaries):
+    path = tmp_path / "run.mcap"
+    with BagWriter(path, run_info, start_ns=0) as writer:
+        for block in (run_blocks[0], run_blocks[2]):
+            writer.write(block)
+    messages = [message for message in stored(path) if summaries or "Summary" not in message.schema.name]
+    found = overview(copied(tmp_path / "gap.mcap", messages))
+    assert [str(loss) for loss in found.losses] == ["steps 1389 to 1389 are missing (3.6e-05 s)"]
+    assert found.steps == 1389 + 700
+
+
+@pytest.mark.parametrize("summaries", [True, False])
+def test_another_run_does_not_count_and_is_told(bag, tmp_path, summaries):
+    """As when ``ros2 bag record`` goes on while the node is reset: the second run goes on where the first one ended."""
+    runs = [*(stored(file) for file in sorted(bag.glob("*.mcap")))]
+    first, rest = ([m for m in run if summaries or "Summary" not in m.schema.name] for run in runs)
+    path = copied(tmp_path / "twice.mcap", first, first, rest)
+    again = "twice.mcap: steps from 0 on come again after step 1389: all that follows is left out"
+    found = overview(path)
+    assert (found.steps, found.first_step) == (1390, 0)
+    assert [str(loss) for loss in found.losses] == [again]
+    losses = []
+    assert len(read(path, lost=losses.append)) == 1390
+    assert [str(loss) for loss in losses] == [again]
+
+
+def test_a_bag_of_two_wheelsets_is_refused(tmp_path, run_info, run_blocks, make_state, capsys):
+    """Who takes the forces of one for those of the other tells wrong numbers."""
+    messages = []
+    for wheelset in ("wheelset_1", "wheelset_2"):
+        path = tmp_path / f"{wheelset}.mcap"
+        with BagWriter(path, run_info, start_ns=0, prefix=f"/{wheelset}") as writer:
+            writer.write_state(make_state(run_blocks[0]))
+            writer.write(run_blocks[0])
+        messages += stored(path)
+    both = copied(tmp_path / "both.mcap", sorted(messages, key=lambda message: message.log_time))
+    refusal = r"both.mcap holds 2 runs \(/wheelset_1/contact_forces, /wheelset_2/contact_forces\): record each"
+    with pytest.raises(RecordingError, match=refusal):
+        read(both)
+    content = both.read_bytes()
+    both.write_bytes(content[: len(content) - 400])  # without its index
+    with pytest.raises(RecordingError, match=refusal):
+        read(both, lost=[].append)
+    assert main(["info", str(both)]) == 1
+    assert "both.mcap holds 2 runs" in capsys.readouterr().err
+
+
+def test_the_command_prints_one_json_object(bag, capsys):
+    assert main(["info", str(bag), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["complete"] is True
+    assert found["steps"] == 2090
+    assert found["revisions"][1] == {"revision": 1, "step": 1390, "changed": {"speed": [27.7777778, 1e3 / 36]}}
+    assert set(found["wheels"]["wheel_2"]) == {"max_force_N", "min_force_N", "contact_loss_s", "impacts"}
+    assert set(found["nodes"]) == {"A1", "B1", "C1"}
+    assert found["gaps"] == found["damage"] == []
+
+
+def test_the_command_prints_tables(bag, capsys):
+    (bag / "run_1.mcap").write_bytes(b"")
+    assert main(["info", str(bag)]) == 0
+    out = capsys.readouterr().out
+    assert "1390, from 0 to 1389" in out
+    assert "lost: run_1.mcap: it is empty" in out
+
+
+def test_what_is_no_bag(tmp_path, capsys):
+    assert main(["info", str(tmp_path / "none")]) == 2
+    assert "does not exist" in capsys.readouterr().err
+
+
+def test_differences_are_keys_of_scenarios():
+    before = load_scenario("damage_wheel_1")
+    after = load_scenario("damage_wheel_1", ["irregularities.0.h=0.001", "speed=30"])
+    assert differences(before.to_yaml(), after.to_yaml()) == (
+        Difference("speed", before.speed, 30),
+        Difference("irregularities.0.h", 0.002, 0.001),
+    )
+    assert differences(before.to_yaml(), before.to_yaml()) == ()
+    (removed,) = differences(before.to_yaml(), dataclasses.replace(before, irregularities=()).to_yaml())
+    assert removed.key == "irregularities.0"
+    assert removed.after is None
+    assert differences("a: 1", "a: [") == (Difference("scenario", "a: 1", "a: ["),)
+
+
+def test_each_revision_once_in_their_order():
+    told = [Input(1, 50, "a: 2"), Input(0, 0, "a: 1"), Input(1, 80, "a: 2"), Input(3, 90, "a: 2\nb: {c: 1}")]
+    found = revisions(told)
+    assert [(item.number, item.step) for item in found] == [(0, 0), (1, 50), (3, 90)]
+    assert [item.differences for item in found] == [(), (("a", 1, 2),), (("b", None, {"c": 1}),)]

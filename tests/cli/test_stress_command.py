@@ -1,0 +1,82 @@
+"""``stress`` on the command line."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from support.paths import ROOT
+from wheelset_track_sim.bags import read
+from wheelset_track_sim.cli import main
+from wheelset_track_sim.twin.measured import read_csv
+
+EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
+
+
+def test_stresses_are_told_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "stress.csv"
+    assert main(["stress", str(EXAMPLE), "--nodes", "A1,C1", "--out", str(out), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["wheelset"], found["samples"], [*found["nodes"]]) == ("x40", 800, ["A1", "C1"])
+    written = read_csv(out)
+    assert {"A1", "C1", "A1_yy"} <= written.signals.keys()
+    assert written.signals["A1"].max() == found["nodes"]["A1"]["max_principal_Pa"]
+    measured = read_csv(EXAMPLE)
+    np.testing.assert_allclose(written.at, measured.at, atol=1e-6)
+    # What the file has as strain-derived stress, and what its forces alone make of the axle.
+    assert np.corrcoef(written.signals["A1_yy"][200:], measured.signals["A1_yy"][200:])[0, 1] > 0.98
+
+
+def test_a_bag_of_stresses_is_one_like_any_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "stress.mcap"
+    assert main(["stress", str(EXAMPLE), "--speed", "27.8", "--out", str(bag)]) == 0
+    assert "maximum principal stress A1" in capsys.readouterr().out
+    found = read(bag)
+    np.testing.assert_allclose(found.forces[:, 0], read_csv(EXAMPLE).signals["wheel_1"])
+    assert found.nodes == ("A1", "B1", "C1")
+    assert found.max_principal[:, 0].max() > 70e6
+
+
+@pytest.mark.parametrize("start", [-0.05, 3.85e9])
+def test_a_bag_of_stresses_begins_at_any_time(tmp_path: Path, start: float) -> None:
+    """Before a trigger, or in seconds since 1904: stamps hold neither."""
+    path, bag = tmp_path / "forces.csv", tmp_path / "stress.mcap"
+    rows = "\n".join(f"{start + number / 1024!r},98,97" for number in range(100))
+    path.write_text(f"time [s],wheel_1 [kN],wheel_2 [kN]\n{rows}\n")
+    assert main(["stress", str(path), "--nodes", "A1", "--speed", "20", "--out", str(bag)]) == 0
+    found = read(bag)
+    np.testing.assert_allclose(found.time, start + np.arange(100) / 1024, atol=1e-6)
+    assert main(["info", str(bag)]) == 0
+
+
+def test_positions_need_a_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "forces.csv"
+    rows = "\n".join(f"{number},98,97" for number in range(100))
+    path.write_text(f"position [mm],wheel_1 [kN],wheel_2 [kN]\n{rows}\n")
+    assert main(["stress", str(path)]) == 2
+    assert "give the --speed at which it was run" in capsys.readouterr().err
+    assert main(["stress", str(path), "--speed", "20", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["step_s"] == pytest.approx(1e-3 / 20)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--nodes", "Z9"], "'Z9' is not a known stress node"),
+        (["--wheelset", "x41"], "did you mean x40"),
+        (["--speed", "1e9"], "speed = 1e+09 m/s is out of range"),
+        (["--out", "stress.txt"], "is neither .csv nor .mcap"),
+        (["--out", "stress.mcap"], "give the --speed"),
+    ],
+)
+def test_what_cannot_be_used_is_refused(arguments: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stress", str(EXAMPLE), *arguments]) == 2
+    assert reason in capsys.readouterr().err
+
+
+def test_forces_of_one_wheel_are_not_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "forces.csv"
+    path.write_text("time [s],wheel_1 [kN]\n" + "\n".join(f"{number},98" for number in range(100)))
+    assert main(["stress", str(path)]) == 2
+    assert "has no wheel_2" in capsys.readouterr().err

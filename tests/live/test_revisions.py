@@ -1,0 +1,167 @@
+"""Changes of any origin, without ROS: whole or not at all, in order, and known everywhere."""
+
+import dataclasses
+import math
+import re
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from wheelset_track_sim.bags.tread_damage import damage_fields
+from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.irregularities import Breakout
+from wheelset_track_sim.live.revisions import Revisions
+from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
+from wheelset_track_sim.simulation.changes import Revision
+from wheelset_track_sim.simulation.simulator import Simulator
+
+BASE = load_scenario("undamaged")
+SMALL = Breakout("wheel_1", a=0.010, b=0.008, h=0.0005)
+
+
+def messages(*breakouts):
+    return [SimpleNamespace(**fields) for fields in damage_fields(breakouts)]
+
+
+@pytest.fixture(scope="module")
+def models():
+    return Simulator(BASE).models
+
+
+@pytest.fixture
+def simulator(models):
+    return Simulator(BASE, models=models)
+
+
+@pytest.fixture
+def followed():
+    return []
+
+
+@pytest.fixture
+def revisions(followed):
+    return Revisions(BASE, followed.append, lambda stage, fraction: None)
+
+
+def test_before_a_run_all_is_in_force_from_its_start(revisions, followed, models):
+    assert revisions.speed(20.0) == (True, "", 0, 0)
+    assert revisions.damage(messages(SMALL)) == (True, "", 0, 0)
+    assert followed[-1] == revisions.scenario == dataclasses.replace(BASE, speed=20.0, irregularities=(SMALL,))
+    simulator = Simulator(revisions.scenario, models=models)
+    revisions.attach(simulator)
+    assert simulator.revision == 0
+    assert simulator.advance(10).speed == 20.0
+
+
+def test_what_was_accepted_while_a_run_was_built_is_its_first_revision(revisions, simulator):
+    revisions.speed(20.0)
+    revisions.attach(simulator)
+    assert simulator.scenario.speed == 20.0
+    block = simulator.advance(10)
+    assert (block.first_step, block.revision) == (0, 1)
+    assert revisions.speed(500.0).revision == 1
+
+
+def test_answers_name_the_step_at_which_the_run_changes(revisions, simulator, followed):
+    revisions.attach(simulator)
+    blocks = [simulator.advance(500)]
+    answers = [revisions.damage(messages(SMALL)), revisions.speed(30.0, 2.0), revisions.damage([])]
+    assert [answer.revision for answer in answers] == [1, 2, 3]
+    assert [scenario.speed for scenario in followed] == [BASE.speed, 30.0, 30.0]
+    while blocks[-1].revision < 3:
+        blocks.append(simulator.advance(500))
+    for answer in answers:
+        assert answer.success
+        assert next(block for block in blocks if block.revision >= answer.revision).first_step == answer.step
+    assert simulator.in_force == revisions.scenario
+    assert simulator.in_force.acceleration == 2.0
+
+
+def test_refusals_leave_all_as_it_was(revisions, simulator, followed):
+    revisions.attach(simulator)
+    revisions.speed(30.0)
+    accepted, told = revisions.scenario, [*followed]
+    deep = dataclasses.replace(SMALL, h=0.010)
+    for refuse, message in (
+        (lambda: revisions.speed(math.nan), r"speed = nan is not finite: give the running speed from 5 to 100 m/s"),
+        (lambda: revisions.speed(101.0), r"speed = 101 m/s is out of range: .* from 5 to 100 m/s"),
+        (lambda: revisions.speed(31.0, -1.0), r"acceleration = -1 m/s\^2 is out of range: .* from 0\.01 to 10 m/s\^2"),
+        (lambda: revisions.speed(31.0, math.inf), r"acceleration = inf is not finite"),
+        (
+            lambda: revisions.damage([*messages(SMALL), *messages(deep, deep, deep)]),
+            r"tread of wheel_1 is 0\.0305 m deep .* 0\.02 m",
+        ),
+    ):
+        answer = refuse()
+        assert answer[::2] == (False, 1)
+        assert re.match(message, answer.message)
+    assert revisions.scenario == accepted == simulator.scenario
+    assert followed == told
+
+
+def test_no_change_is_no_revision(revisions, simulator):
+    revisions.attach(simulator)
+    first = revisions.speed(30.0)
+    assert revisions.speed(30.0) == first
+    assert revisions.change(lambda scenario: scenario) == Revision(first.revision, first.step)
+
+
+def test_a_speed_that_is_set_ends_the_plan_also_if_it_is_that_of_the_start(models):
+    planned = dataclasses.replace(BASE, speed_plan=(SetPoint(10.0, 40.0),))
+    revisions = Revisions(planned, lambda scenario: None, lambda stage, fraction: None)
+    revisions.attach(Simulator(planned, models=models))
+    assert revisions.change(lambda scenario: dataclasses.replace(scenario, axle_load=180e3)).number == 1
+    assert revisions.scenario.speed_plan
+    assert revisions.speed(BASE.speed).revision == 2
+    assert revisions.scenario.speed_plan == ()
+
+
+def test_a_change_is_broken_off_when_the_node_ends(simulator):
+    class Ended(InputError):  # noqa: N818
+        pass
+
+    def end(stage, fraction):
+        raise Ended("the node ends")
+
+    revisions = Revisions(BASE, lambda scenario: None, end)
+    revisions.attach(simulator)
+    rare = dataclasses.replace(SMALL, a=0.0123456789)
+    assert revisions.damage(messages(rare))[:3] == (False, "the node ends", 0)
+    assert revisions.scenario == simulator.scenario == BASE
+
+
+def test_a_run_that_cannot_take_what_was_accepted_is_not_attached(revisions, simulator):
+    other = load_scenario("undamaged", ["step_length=0.0005"])
+    stubborn = Revisions(other, lambda scenario: None, lambda stage, fraction: None)
+    with pytest.raises(InputError, match="step_length cannot change during a run"):
+        stubborn.attach(simulator)
+    assert stubborn.speed(30.0) == (True, "", 0, 0)  # as without a run
+    revisions.attach(simulator)
+    revisions.speed(30.0)
+    revisions.detach()
+    assert revisions.speed(31.0) == (True, "", 0, 0)
+    assert simulator.scenario.speed == 30.0
+
+
+@pytest.mark.slow
+def test_two_at_once_end_in_the_order_of_their_revisions(revisions, simulator):
+    revisions.attach(simulator)
+    answers = {}
+
+    def change(own):
+        for number in range(100):
+            speed = 20.0 + own + number / 1000
+            answers[speed] = revisions.speed(speed)
+            revisions.speed(math.nan)
+
+    threads = [threading.Thread(target=change, args=[own]) for own in (1, 2)]
+    for thread in threads:
+        thread.start()
+    while any(thread.is_alive() for thread in threads):
+        simulator.advance(100)
+    assert sorted(answer.revision for answer in answers.values()) == [*range(1, 201)]
+    in_order = sorted(answers, key=lambda speed: answers[speed].revision)
+    assert simulator.scenario.speed == revisions.scenario.speed == in_order[-1]
+    steps = [answers[speed].step for speed in in_order]
+    assert steps == sorted(steps)

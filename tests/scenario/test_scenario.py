@@ -1,0 +1,165 @@
+import dataclasses
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheelset_track_sim.contact.profile_points import load_points
+from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.inputs import shipped
+from wheelset_track_sim.inputs.yaml12 import dump, parse
+from wheelset_track_sim.scenario.scenario import Scenario, SetPoint, load_scenario, override, scenario_from
+from wheelset_track_sim.track.track import load_track
+
+
+@pytest.mark.parametrize("name", shipped.names("scenarios"))
+def test_shipped_scenarios_load_and_come_back_from_their_own_text(name: str) -> None:
+    scenario = load_scenario(name)
+    assert scenario.name == name
+    assert scenario_from(parse(scenario.to_yaml(), name)) == scenario
+
+
+def test_the_papers_load_cases_are_shipped() -> None:
+    on = {name: sorted(item.on for item in load_scenario(name).irregularities) for name in shipped.names("scenarios")}
+    assert on["undamaged"] == []
+    assert on["damage_wheel_1"] == ["wheel_1"]
+    assert on["damage_wheel_2"] == ["wheel_2"]
+    assert on["damage_both"] == ["wheel_1", "wheel_2"]
+
+
+def test_overrides_reach_into_lists() -> None:
+    scenario = load_scenario("damage_wheel_1", ["irregularities.0.h=3e-4", "speed=30"])
+    assert scenario.irregularities[0].h == 3e-4
+    assert scenario.speed == 30.0
+
+
+def test_speed_plans_are_lists_like_others() -> None:
+    scenario = load_scenario("line_speeds", ["speed_plan.1.speed=20", "speed_plan.0.time=5"])
+    assert [(point.time, point.speed) for point in scenario.speed_plan] == [(5.0, 61.1111111), (125.0, 20.0)]
+    assert load_scenario("undamaged", ["speed_plan=[{time: 3, speed: 20}]"]).speed_plan == (SetPoint(3.0, 20.0),)
+    with pytest.raises(InputError, match="speed = 3 m/s"):
+        SetPoint(0.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("speed=.nan", ["speed", "not finite"]),
+        ("speed=nan", ["speed", "'nan' is not a number"]),
+        ("speed=-3", ["speed = -3 m/s", "from 5 to 100 m/s"]),
+        ("speed=fast", ["speed", "not a number"]),
+        ("axle_load=1e9", ["axle_load", "from 20000 to 400000 N"]),
+        ("irregularities.0.h=0.5", ["irregularities.0.h = 0.5 m"]),
+        ("irregularities.0.b=0.2", ["irregularities.0.b"]),
+        ("irregularities.0.y=0.045", ["irregularities.0", "beyond the tread"]),
+        ("irregularities.0.on=wheel_3", ["irregularities.0.on", "wheel_3"]),
+        ("irregularities.0.type=crater", ["irregularities.0.type", "breakout"]),
+        ("irregularities.1.h=0.001", ["irregularities.1", "not an index"]),
+        ("speeed=30", ["speeed", "did you mean speed"]),
+        ("speed.now=30", ["speed"]),
+        ("speed", ["key=value"]),
+        ("name=", ["name"]),
+        ("acceleration=0", ["acceleration = 0 m/s^2", "from 0.01 to 10 m/s^2"]),
+        ("acceleration=.inf", ["acceleration", "not finite"]),
+        ("name=3", ["name = 3", "give a text"]),
+        ("speed_plan=30", ["speed_plan", "not a list: put its entries in brackets"]),
+        ("speed_plan=[{time: 1}]", ["speed_plan.0.speed is missing"]),
+        ("speed_plan=[{time: 1, speed: 300}]", ["speed_plan.0.speed = 300 m/s", "from 5 to 100 m/s"]),
+        ("speed_plan=[{time: -1, speed: 30}]", ["speed_plan.0.time = -1 s"]),
+        ("speed_plan=[{time: .nan, speed: 30}]", ["speed_plan.0.time", "not finite"]),
+        ("speed_plan=[{time: 2, speed: 30}, {time: 2, speed: 20}]", ["speed_plan.1.time = 2 s", "increase"]),
+    ],
+)
+def test_bad_changes_are_refused_by_name(change: str, words: list[str]) -> None:
+    with pytest.raises(InputError) as refusal:
+        load_scenario("damage_wheel_1", [change])
+    assert "\n" not in str(refusal.value)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("speed: [", "not YAML"),
+        ("- 1", "not a mapping"),
+        ("name: x", "speed is missing"),
+        ("\x00", "not YAML"),
+        ("speed: 30\nspeed: 40\n", r"case.yaml, line 2: .*\"speed\".*: give it once$"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=words):
+        load_scenario(path)
+
+
+def test_missing_files_and_unknown_names_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        load_scenario(tmp_path / "none.yaml")
+    with pytest.raises(InputError, match="did you mean damage_wheel_1"):
+        load_scenario("damage_whel_1")
+
+
+def test_digest_tells_scenarios_apart() -> None:
+    scenario = load_scenario("damage_wheel_1")
+    assert scenario.digest == load_scenario("damage_wheel_1").digest
+    assert scenario.digest != dataclasses.replace(scenario, speed=scenario.speed + 1e-12).digest
+
+
+@given(st.text(max_size=20), st.text(max_size=20))
+def test_an_override_sets_or_refuses_and_nothing_else(key: str, value: str) -> None:
+    data = {"name": "n", "speed": 30.0, "axle_load": 2e5, "irregularities": []}
+    with suppress(InputError):
+        override(data, f"{key}={value}")
+        assert isinstance(scenario_from(data), Scenario)
+
+
+def test_a_key_within_a_named_track_makes_its_content_part_of_the_scenario():
+    scenario = load_scenario("undamaged", ["track.sleeper.length=2.6"])
+    assert scenario.track["sleeper"]["length"] == 2.6
+    assert scenario.track["spacing"] == 0.6
+    assert scenario.wheelset == "x40"
+    assert scenario_from(scenario.to_mapping()) == scenario
+
+
+def test_files_of_models_become_part_of_the_scenario(tmp_path: Path) -> None:
+    """A bag that tells its scenario then stands on its own."""
+    track = tmp_path / "soft.yaml"
+    track.write_text(dump(shipped.load_yaml("tracks", "ballasted_60e1")))
+    scenario = load_scenario("undamaged", [f"track={track}"])
+    track.unlink()
+    assert scenario.track == shipped.load_yaml("tracks", "ballasted_60e1")
+    assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
+    with pytest.raises(InputError, match=r"soft\.yaml cannot be read"):
+        load_scenario("undamaged", [f"track={track}"])
+
+
+def test_files_are_found_beside_the_scenario_that_names_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "axle.yaml").write_text(dump(shipped.load_yaml("wheelsets", "trailer")))
+    (tmp_path / "mine" / "soft.yaml").write_text("base: ballasted_60e1\npad: {stiffness: 9.0e+7}\n")
+    (tmp_path / "mine" / "worn.csv").write_text(shipped.text("wheel_profiles", "s1002_hollow.csv"))
+    text = "name: mine\nspeed: 30.0\naxle_load: 137340.0\nwheelset: axle.yaml\nprofiles: {wheel_1: worn.csv}\n"
+    (tmp_path / "mine" / "case.yaml").write_text(text + "track: soft.yaml\n")
+    (tmp_path / "mine" / "wide.yaml").write_text(text + "track: {base: soft.yaml, spacing: 0.65}\n")
+    monkeypatch.chdir(tmp_path)
+    case, wide = load_scenario("mine/case.yaml"), load_scenario("mine/wide.yaml")
+    for file in ("axle.yaml", "soft.yaml", "worn.csv"):
+        (tmp_path / "mine" / file).unlink()
+    assert load_track(case.track).pad.stiffness == load_track(wide.track).pad.stiffness == 9e7
+    assert load_track(wide.track).spacing == 0.65
+    assert case.wheelset == wide.wheelset == shipped.load_yaml("wheelsets", "trailer")
+    assert case.profiles.wheel_1 == load_points("wheel", "s1002_hollow").plain()
+    assert scenario_from(parse(wide.to_yaml(), "")) == wide
+
+
+def test_files_that_stand_on_themselves_come_to_an_end(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_text(f"base: {own}\n")
+    scenario = load_scenario("undamaged", [f"track={own}"])
+    with pytest.raises(InputError, match=r"track\.base = .*own\.yaml"):
+        load_track(scenario.track)

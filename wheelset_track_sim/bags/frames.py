@@ -1,0 +1,89 @@
+"""Recordings as pandas and xarray hold them, with units."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..scenario.scenario import WHEELS
+from ..wheelset.reduced import COMPONENTS
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from .recording import Recording
+
+ALONG = {"step": "", "position": "m", "speed": "m/s", "revision": ""}
+"""What else every sample has, with its unit."""
+
+
+def dataframe(recording: Recording) -> DataFrame:
+    """A row for each step, by simulated time, s; ``attrs`` has the unit of each column and where the run is from."""
+    pandas = _library("pandas")
+    columns: dict[str, Any] = _along(recording)
+    units = dict(ALONG)
+    for name, force in zip(WHEELS, recording.forces.T, strict=True):
+        columns[name], units[name] = force, "N"
+    stresses = np.moveaxis(recording.stresses, 0, -1)
+    for node, of_node, principal in zip(recording.nodes, stresses, recording.max_principal.T, strict=True):
+        found = dict(zip(COMPONENTS, of_node, strict=True)) | {"max_principal": principal}
+        columns |= {f"{node}_{component}": stress for component, stress in found.items()}
+        units |= {f"{node}_{component}": "Pa" for component in found}
+    frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
+    frame.attrs = {"units": {"time": "s"} | units} | _origin(recording)
+    return frame
+
+
+def dataset(recording: Recording) -> Dataset:
+    """Forces, stresses and maximum principal stress by time, wheel, node and component."""
+    xarray = _library("xarray")
+    coordinates: dict[str, Any] = {
+        "time": ("time", recording.time, {"units": "s", "long_name": "simulated time since step 0"}),
+        "wheel": ("wheel", list(WHEELS)),
+        "node": ("node", list(recording.nodes)),
+        "component": ("component", list(COMPONENTS)),
+    }
+    for name, values in _along(recording).items():
+        coordinates[name] = ("time", values, {"units": ALONG[name]} if ALONG[name] else {})
+    force = {"units": "N", "long_name": "contact force, positive in compression"}
+    principal = {"units": "Pa", "long_name": "maximum principal stress"}
+    return xarray.Dataset(
+        {
+            "force": (("time", "wheel"), recording.forces, force),
+            "stress": (("time", "node", "component"), recording.stresses, {"units": "Pa", "long_name": "axle stress"}),
+            "max_principal": (("time", "node"), recording.max_principal, principal),
+        },
+        coords=coordinates,
+        attrs=_origin(recording),
+    )
+
+
+def _along(recording: Recording) -> dict[str, Any]:
+    values = (recording.steps, recording.position, recording.speed, recording.revision)
+    return dict(zip(ALONG, values, strict=True))
+
+
+def _origin(recording: Recording) -> dict[str, Any]:
+    """Where a run is from, in plain values that files of tables can hold."""
+    info = recording.info
+    return {
+        "scenario": info.scenario_name,
+        "digest": info.digest,
+        "wheelset_track_sim": info.versions.get("wheelset_track_sim", "unknown"),
+        "start_ns": recording.start_ns,
+    }
+
+
+def _library(name: str) -> ModuleType:
+    try:
+        return __import__(name)
+    except ModuleNotFoundError as missing:
+        if missing.name != name:
+            raise
+        raise InputError(
+            f"{name} is not installed: pip install {name}, or this package with the extra analysis"
+        ) from None

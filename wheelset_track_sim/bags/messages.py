@@ -1,0 +1,216 @@
+"""From blocks of samples to the plain fields of messages: the one place that knows both, for bags and for the node."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..samples.block import SampleBlock
+from ..samples.impacts import Impact
+from ..samples.summary import Summary, statistics, summarise
+from ..samples.turns import NO_TURN, TurnPeaks
+from ..wheelset.reduced import COMPONENTS
+from .definitions import serialise
+from .tread_damage import FIELDS
+
+FRAME = "track"
+NANOSECOND = 1e-9
+CHUNK = ("header", "first_step", "time", "step_period", "speed", "position", "revision")
+"""Fields that every chunk carries, and a state."""
+
+
+@dataclass(frozen=True, eq=False)
+class Message:
+    """A message of the node and of its bag."""
+
+    topic: str
+    """Relative to the node, such as ``axle_stress/a1``."""
+    kind: str
+    """Short type name, such as ``AxleStress``."""
+    stamp_ns: int
+    fields: dict[str, Any]
+    """Values by field: numbers, text, contiguous float64 arrays, mappings for messages inside."""
+
+    @cached_property
+    def cdr(self) -> bytes:
+        """What goes over the wire and into the bag: the same bytes, made once."""
+        return serialise(self.kind, self.fields)
+
+    @property
+    def end_ns(self) -> int:
+        """Time stamp behind the samples that it counts."""
+        span: float = self.fields.get("samples", 0) * self.fields.get("step_period", 0.0)
+        return self.stamp_ns + round(span / NANOSECOND)
+
+    def packed(self) -> Message:
+        """The same with its arrays in ``cdr`` only: who waits for a disk holds them once."""
+        scalars = {name: value for name, value in self.fields.items() if not isinstance(value, np.ndarray)}
+        made = Message(self.topic, self.kind, self.stamp_ns, scalars)
+        vars(made)["cdr"] = self.cdr
+        return made
+
+
+@dataclass(frozen=True)
+class State:
+    """What is being simulated from a step on: one accepted change, and all that is needed to simulate it again."""
+
+    first_step: int
+    time: float
+    """Simulated time of ``first_step``, s."""
+    step_period: float
+    speed: float
+    speed_set_point: float
+    """Speed that is approached, m/s."""
+    position: float
+    revision: int
+    axle_load: float
+    damage: tuple[Mapping[str, float], ...]
+    """Fields of ``TreadDamage``: wheel (1 or 2), kind, a, b, h, angle, y."""
+    scenario_name: str
+    scenario: str
+    """The scenario in force as YAML."""
+    digest: str
+    status: int = 0
+    message: str = ""
+    real_time_factor: float = math.nan
+    lag: float = 0.0
+    recording: str = ""
+
+
+def stress_topic(node: str) -> str:
+    """Topic of a stress node: its name in lower case, without what ROS names cannot hold."""
+    return f"axle_stress/{re.sub('[^a-z0-9_]', '_', node.lower())}"
+
+
+def chunk_messages(
+    block: SampleBlock,
+    start_ns: int,
+    *,
+    real_time_factor: float = math.nan,
+    lag: float = 0.0,
+    summary: Summary | None = None,
+    turn: TurnPeaks = NO_TURN,
+) -> list[Message]:
+    """Messages of one chunk: contact forces, one stress for each node, summary.
+
+    ``start_ns`` is the time stamp of step 0, ns; ``summary`` is that of the block if it is known already, ``turn`` the
+    last complete turn of the wheels. The values are those of the block, bit by bit.
+    """
+    stamp_ns, chunk = _chunk(block, start_ns)
+    summary = summary or summarise(block)
+    fields = {**chunk, "samples": summary.samples, "real_time_factor": real_time_factor, "lag": lag}
+    for wheel, load in zip(("wheel_1", "wheel_2"), summary.wheels, strict=True):
+        fields |= {f"{wheel}_{name}": value for name, value in vars(load).items()}
+    fields["nodes"] = [node.name for node in summary.nodes]
+    fields["max_principal_max"] = np.array([node.max_principal for node in summary.nodes])
+    fields["max_principal_min"] = np.array([node.min_principal for node in summary.nodes])
+    fields["max_principal_mean"] = np.array([node.mean_principal for node in summary.nodes])
+    fields["max_principal_rms"] = np.array([node.rms_principal for node in summary.nodes])
+    components = statistics(_by_component(block).reshape(-1, len(block)))
+    fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
+    fields |= {"turns": turn.turns, "turn_max_principal": np.array(turn.principal or [math.nan] * len(block.nodes))}
+    fields["wheel_1_turn_max_force"], fields["wheel_2_turn_max_force"] = turn.forces
+    return [*sample_messages(block, start_ns), Message("summary", "LoadSummary", stamp_ns, fields)]
+
+
+def sample_messages(block: SampleBlock, start_ns: int) -> list[Message]:
+    """Messages of the samples of a block, which may be decimated: contact forces, one stress for each node."""
+    stamp_ns, chunk = _chunk(block, start_ns)
+    chunk["decimation"] = block.decimation
+    forces = np.ascontiguousarray(block.forces.T)
+    largest = np.ascontiguousarray(block.max_principal.T)
+    messages = [
+        Message("contact_forces", "ContactForces", stamp_ns, {**chunk, "wheel_1": forces[0], "wheel_2": forces[1]})
+    ]
+    for node, stress, maximum in zip(block.nodes, _by_component(block), largest, strict=True):
+        fields = {**chunk, "node": node, **dict(zip(COMPONENTS, stress, strict=True)), "max_principal": maximum}
+        messages.append(Message(stress_topic(node), "AxleStress", stamp_ns, fields))
+    return messages
+
+
+def impact_message(impact: Impact, start_ns: int) -> Message:
+    """Message of an impact; ``start_ns`` is the time stamp of step 0, ns."""
+    stamp_ns, header = _header(impact.time, start_ns)
+    fields = {**vars(impact), "wheel": impact.wheel + 1, "dynamic_factor": impact.dynamic_factor, "header": header}
+    return Message("impacts", "WheelImpact", stamp_ns, fields)
+
+
+def state_message(state: State, start_ns: int) -> Message:
+    """Message of a state; ``start_ns`` is the time stamp of step 0, ns."""
+    stamp_ns, chunk = _chunk(state, start_ns)
+    return Message("state", "SimulationState", stamp_ns, {**vars(state), **chunk})
+
+
+def state_again(state: Message, chunk: Message, note: str = "") -> Message | None:
+    """``state`` told again at the first step of a ``chunk``, with a ``note`` on what is before it.
+
+    None if the chunk is of another revision: the state does not hold there.
+    """
+    if state.fields["revision"] != chunk.fields["revision"]:
+        return None
+    fields = {**state.fields, **{name: chunk.fields[name] for name in CHUNK}}
+    return Message(state.topic, state.kind, chunk.stamp_ns, fields | ({"message": note} if note else {}))
+
+
+def block_of(forces: Any, stresses: list[Any]) -> SampleBlock:
+    """Block from a deserialised ContactForces and the AxleStress of every node for the same chunk."""
+    return SampleBlock(
+        first_step=forces.first_step,
+        time=forces.time,
+        step_period=forces.step_period,
+        speed=forces.speed,
+        position=forces.position,
+        revision=forces.revision,
+        forces=np.stack([forces.wheel_1, forces.wheel_2], axis=-1),
+        stresses=np.array([[getattr(stress, name) for name in COMPONENTS] for stress in stresses])
+        .reshape(len(stresses), len(COMPONENTS), len(forces.wheel_1))
+        .transpose(2, 0, 1),
+        nodes=tuple(stress.node for stress in stresses),
+        decimation=forces.decimation,
+    )
+
+
+def state_of(message: Any) -> State:
+    """State from a deserialised SimulationState."""
+    fields = {name: getattr(message, name) for name in State.__dataclass_fields__ if name != "damage"}
+    damage = tuple({name: getattr(item, name) for name in FIELDS} for item in message.damage)
+    return State(**fields, damage=damage)
+
+
+def start_of(message: Any) -> int:
+    """Time stamp of step 0, ns, from any deserialised message of a run."""
+    stamp, since = message.header.stamp, round(float(message.time) / NANOSECOND)
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec) - since
+
+
+def _by_component(block: SampleBlock) -> NDArray[np.float64]:
+    """Stresses (nodes, 6, samples)."""
+    return np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
+
+
+def _chunk(of: SampleBlock | State, start_ns: int) -> tuple[int, dict[str, Any]]:
+    """Time stamp, ns, and the fields that every chunk carries."""
+    stamp_ns, header = _header(of.time, start_ns)
+    return stamp_ns, {
+        "header": header,
+        "first_step": of.first_step,
+        "time": of.time,
+        "step_period": of.step_period,
+        "speed": of.speed,
+        "position": of.position,
+        "revision": of.revision,
+    }
+
+
+def _header(time: float, start_ns: int) -> tuple[int, dict[str, Any]]:
+    """Time stamp, ns, and header of a message at a simulated time, s."""
+    stamp_ns = start_ns + round(time / NANOSECOND)
+    seconds, nanoseconds = divmod(stamp_ns, 10**9)
+    return stamp_ns, {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": FRAME}

@@ -1,0 +1,83 @@
+"""Part of a run, and where it begins in bags that have an index."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..samples.block import SampleBlock
+
+
+@dataclass(frozen=True)
+class Window:
+    """From a step and a time on, up to others, which are not in it."""
+
+    start: float = -math.inf
+    """Simulated time, s."""
+    stop: float = math.inf
+    """s"""
+    first_step: int = 0
+    end_step: int | None = None
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.start) or math.isnan(self.stop) or self.start >= self.stop:
+            raise InputError(f"start = {self.start:g} s, stop = {self.stop:g} s hold nothing: give start before stop")
+        if self.first_step < 0 or (self.end_step is not None and self.end_step <= self.first_step):
+            raise InputError(
+                f"steps from {self.first_step} to {self.end_step} hold nothing: give two that rise, the first from 0"
+            )
+
+    def __str__(self) -> str:
+        end = "" if self.end_step is None else f" to {self.end_step - 1}"
+        return f"from {self.start:g} s to {self.stop:g} s, in steps from {self.first_step}{end}"
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is the whole run."""
+        return self == EVERYTHING
+
+    def after(self, step: int, time: float) -> bool:
+        """Whether it begins after a sample."""
+        return step < self.first_step or time < self.start
+
+    def over(self, step: int, time: float) -> bool:
+        """Whether it has ended before a sample."""
+        return time >= self.stop or (self.end_step is not None and step >= self.end_step)
+
+    def holds(self, steps: NDArray[np.uint64], times: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which samples are in it."""
+        held: NDArray[np.bool_] = (steps >= self.first_step) & (times >= self.start) & (times < self.stop)
+        return held if self.end_step is None else held & (steps < self.end_step)
+
+    def touches(self, block: SampleBlock) -> bool:
+        """Whether some samples of a block are in it."""
+        last = len(block) - 1
+        ends = block.first_step + last * block.decimation, block.time + last * block.step_period
+        return not self.over(block.first_step, block.time) and not self.after(*ends)
+
+
+EVERYTHING = Window()
+
+
+def first_chunk(count: int, window: Window, sample: Callable[[int], tuple[int, float] | None]) -> int:
+    """Number of a chunk that the window does not begin before, found by looking into few of them.
+
+    ``sample`` tells step and time of the first sample in a chunk, None if it has none.
+    """
+    best, low, high = 0, 0, count
+    while high - low > 1:
+        middle = looked = (low + high) // 2
+        while (found := sample(looked)) is None and looked - 1 > low:
+            looked -= 1
+        if found is None:
+            low = middle
+        elif window.after(*found):
+            best, low = looked, middle
+        else:
+            high = looked
+    return best

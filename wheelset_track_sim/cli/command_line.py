@@ -1,0 +1,358 @@
+"""The command line ``wheelset-track-sim``: exit status 0, 1 failed, 2 bad input (one line on standard error)."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn, TypeAlias
+
+from .. import __version__
+from ..errors import InputError, WheelsetTrackError
+from ..inputs import shipped
+from ..runtime.memory import keep_freed_memory
+
+if TYPE_CHECKING:
+    from ..bags.settings import RecordSettings
+    from ..samples.impacts import ImpactSettings
+
+PROGRAM = "wheelset-track-sim"
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}: see {self.prog} --help")
+
+
+_Commands: TypeAlias = "argparse._SubParsersAction[_Parser]"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns the exit status."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    keep_freed_memory()
+    try:
+        if given[:1] == ["node"]:  # its arguments are those of every ROS node
+            return _node(given[1:])
+        own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
+        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros))
+        command: Callable[[argparse.Namespace], int] = options.command
+        return command(options)
+    except InputError as refusal:
+        return _complain(refusal, 2)
+    except WheelsetTrackError as failure:
+        return _complain(failure, 1)
+    except KeyboardInterrupt:
+        # told to end before it had anything to close: for a node that is an orderly end
+        return 0 if given[:1] in (["node"], ["replay"]) else _complain("interrupted", 1)
+
+
+def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Our arguments, and those of ROS, which stand between ``--ros-args`` and ``--`` or the end."""
+    ours: list[str] = []
+    of_ros: list[str] = []
+    inside = False
+    for argument in given:
+        inside = inside or argument == "--ros-args"
+        (of_ros if inside else ours).append(argument)
+        inside = inside and argument != "--"
+    return ours, of_ros
+
+
+def _complain(reason: object, status: int) -> int:
+    print(f"{PROGRAM}: {' '.join(str(reason).split())}", file=sys.stderr)  # noqa: T201
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog=PROGRAM, description="Wheel-rail impact loads and axle stresses of damaged wheels.")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    _add_run(commands)
+    _add_show(commands)
+    _add_study(commands)
+    commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
+    _add_report(commands)
+    _add_replay(commands)
+    _add_recover(commands)
+    _add_info(commands)
+    _add_compare(commands)
+    _add_stress(commands)
+    _add_demo(commands)
+    return parser
+
+
+def _command(commands: _Commands, name: str, what: str) -> _Parser:
+    return commands.add_parser(name, help=what, description=f"{what[0].upper()}{what[1:]}.")
+
+
+def _takes_bag(command: _Parser, and_then: str = "") -> None:
+    command.add_argument("bag", type=Path, metavar="BAG", help=f"an .mcap file or a bag folder{and_then}")
+
+
+def _takes_changes(command: _Parser, what: str = "change a key, such as speed=30") -> None:
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=what)
+
+
+def _takes_threshold(command: _Parser, where: str = "") -> None:
+    what = f"contact force that makes an impact{where} (default: 200e3)"
+    command.add_argument("--threshold", type=float, metavar="N", help=what)
+
+
+def _takes_json(command: _Parser, instead_of: str = "a table") -> None:
+    command.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
+
+
+def _add_run(commands: _Commands) -> None:
+    run = _command(commands, "run", "simulate without ROS, as fast as possible")
+    names = ", ".join(shipped.names("scenarios"))
+    run.add_argument("scenario", metavar="SCENARIO", help=f"a file, or one of {names}")
+    _takes_changes(run)
+    run.add_argument("--dynamics", help="causal (which streams) or paper (Green's functions as printed)")
+    run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
+    run.add_argument("--out", type=Path, metavar="BAG", help="record the run: FILE.mcap, or the folder of a bag")
+    run.add_argument("--split-size", type=int, metavar="BYTES", help="size at which the bag goes on in another file")
+    run.add_argument("--split-duration", type=float, metavar="S", help="time of the run after which it does")
+    run.add_argument("--max-total-size", type=int, metavar="BYTES", help="above it the oldest files are removed")
+    run.add_argument(
+        "--snapshots", type=float, metavar="S", help="record what is around impacts only, each from S before it"
+    )
+    _takes_threshold(run, " in the bag")
+    _takes_json(run)
+    run.set_defaults(command=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from .run import run
+
+    changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
+    settings, impacts = _recorded(options)
+    return run(
+        options.scenario,
+        changes,
+        options.duration,
+        options.out,
+        json=options.json,
+        settings=settings,
+        impacts=impacts,
+    )
+
+
+def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, ImpactSettings | None]:
+    """How a run is recorded; InputError names the option."""
+    from ..bags.settings import CONTINUOUS, SNAPSHOT, RecordSettings
+    from ..samples.impacts import ImpactSettings
+
+    named = {
+        "max_size": "split_size",
+        "max_duration": "split_duration",
+        "max_total_size": "max_total_size",
+        "snapshot_duration": "snapshots",
+    }
+    given = {name: value for name, option in named.items() if (value := getattr(options, option)) is not None}
+    if options.out is None:
+        for option in [*(named[name] for name in given), *(["threshold"] if options.threshold is not None else [])]:
+            raise InputError(f"--{option.replace('_', '-')} is of a bag: give --out, too")
+        return None, None
+    try:
+        settings = RecordSettings(CONTINUOUS if options.snapshots is None else SNAPSHOT, **given)
+    except InputError as refusal:
+        name, _, rest = str(refusal).partition(" ")
+        raise InputError(f"--{named[name].replace('_', '-')} {rest}") from None
+    return settings, None if options.threshold is None else ImpactSettings(options.threshold)
+
+
+def _add_show(commands: _Commands) -> None:
+    show = _command(commands, "show", "a picture of a scenario: treads, rails, profiles, supports, wheelset")
+    show.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped one")
+    _takes_changes(show)
+    show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
+    show.set_defaults(command=_show)
+
+
+def _show(options: argparse.Namespace) -> int:
+    from .show import show
+
+    return show(options.scenario, options.set, options.out)
+
+
+def _add_study(commands: _Commands) -> None:
+    study = _command(commands, "study", "a parameter study: runs, figures, tables, summary")
+    names = ", ".join(shipped.names("studies"))
+    study.add_argument("study", metavar="STUDY", help=f"a file, one of {names}, or all of these")
+    study.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: results/STUDY-DYNAMICS)"
+    )
+    _takes_changes(study, "change a key in all runs")
+    study.add_argument("--dynamics", help="causal or paper")
+    study.add_argument("--workers", type=int, metavar="N", help="processes on this machine (default: one a core)")
+    study.add_argument(
+        "--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://host:8786, does the runs"
+    )
+    study.set_defaults(command=_study)
+
+
+def _study(options: argparse.Namespace) -> int:
+    from ..studies.conduct import Place
+    from .study import study
+
+    changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
+    return study(options.study, changes, options.out, Place(options.workers, options.scheduler))
+
+
+def _add_report(commands: _Commands) -> None:
+    report = _command(commands, "report", "a page and a table of a bag")
+    _takes_bag(report)
+    report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
+    _takes_threshold(report)
+    report.add_argument("--measured", type=Path, metavar="FILE", help="CSV file or bag to show beside the run")
+    report.add_argument("--lag", type=float, metavar="S", help="zero of what was measured in the run, about, s or m")
+    report.set_defaults(command=_report)
+
+
+def _report(options: argparse.Namespace) -> int:
+    from ..samples.impacts import ImpactSettings
+    from .report import report
+
+    settings = None if options.threshold is None else ImpactSettings(options.threshold)
+    return report(options.bag, options.out, settings, options.measured, options.lag)
+
+
+def _add_replay(commands: _Commands) -> None:
+    replay = commands.add_parser(
+        "replay",
+        help="play a bag on the topics on which it was recorded",
+        usage="%(prog)s [OPTION ...] BAG [--ros-args -p NAME:=VALUE -r FROM:=TO ...]",
+        description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter.",
+    )
+    replay.add_argument("bag", type=Path, nargs="?", metavar="BAG", help="an .mcap file or a bag folder")
+    replay.add_argument("--rate", type=float, metavar="R", help="times as fast (default: 1; 0: as fast as possible)")
+    replay.add_argument("--loop", action="store_true", default=None, help="begin again at the end")
+    replay.add_argument("--start-offset", type=float, metavar="S", help="begin that far behind the first message")
+    replay.add_argument("--duration", type=float, metavar="S", help="end after that time in the bag")
+    replay.add_argument("--stamps", metavar="original|now", help="stamps as recorded (default), or current ones")
+    replay.add_argument("--publish-clock", action="store_true", default=None, help="tell the time on /clock")
+    replay.add_argument("--prefix", metavar="NAME", help="put topics below this name, ~ is the node's own")
+    replay.add_argument("--start-paused", action="store_true", default=None, help="wait to be told to go on")
+    replay.add_argument(
+        "--simulate-again", action="store_true", help="do not play: simulate it from what went in, and compare"
+    )
+    _takes_changes(replay, "what would have been, wheel_1.damage.h=0.001")
+    replay.add_argument("--out", type=Path, metavar="FILE.mcap", help="write what was simulated again as a bag")
+    _takes_json(replay)
+    replay.set_defaults(command=_replay)
+
+
+def _replay(options: argparse.Namespace) -> int:
+    names = ("rate", "loop", "start_offset", "duration", "stamps", "publish_clock", "prefix", "start_paused")
+    if options.simulate_again:
+        return _again(options, [name for name in names if getattr(options, name) is not None])
+    for name in ("set", "out", "json"):
+        if getattr(options, name):
+            raise InputError(f"--{name} is of a run that is simulated: give --simulate-again with it")
+    from .replay import replay
+
+    return replay(options.bag, options.ros_arguments, **{name: getattr(options, name) for name in names})
+
+
+def _again(options: argparse.Namespace, of_replay: Sequence[str]) -> int:
+    from .resimulate import again
+
+    if options.bag is None:
+        raise InputError("BAG is missing: give the bag to simulate again")
+    if of_replay or options.ros_arguments:
+        name = f"--{of_replay[0].replace('_', '-')}" if of_replay else "--ros-args"
+        raise InputError(f"{name} is of a bag that is played: leave it out with --simulate-again")
+    return again(options.bag, options.set, options.out, json=options.json)
+
+
+def _add_recover(commands: _Commands) -> None:
+    recover = _command(commands, "recover", "make a whole bag of what can be read of a damaged one")
+    _takes_bag(recover, "; it stays as it is")
+    recover.add_argument("--out", type=Path, metavar="NEW", help="the new bag (default: BAG_recovered beside it)")
+    recover.set_defaults(command=_recover)
+
+
+def _recover(options: argparse.Namespace) -> int:
+    from .recover import run_recover
+
+    return run_recover(options.bag, options.out)
+
+
+def _add_info(commands: _Commands) -> None:
+    info = _command(commands, "info", "what is in a bag: steps, revisions, peaks, gaps, files")
+    _takes_bag(info)
+    _takes_json(info, "tables")
+    info.set_defaults(command=_info)
+
+
+def _info(options: argparse.Namespace) -> int:
+    from .info import info
+
+    return info(options.bag, json=options.json)
+
+
+def _add_compare(commands: _Commands) -> None:
+    compare = _command(commands, "compare", "a bag beside measured wheel forces or axle stresses")
+    _takes_bag(compare)
+    compare.add_argument("measured", type=Path, metavar="FILE", help="a CSV file or a bag")
+    compare.add_argument(
+        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
+    )
+    _takes_threshold(compare)
+    _takes_json(compare, "tables")
+    compare.set_defaults(command=_compare)
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from ..twin.measured import Matching
+    from .compare import compared
+
+    given = {"lag": options.lag, "threshold": options.threshold}
+    matching = Matching(**{name: value for name, value in given.items() if value is not None})
+    return compared(options.bag, options.measured, matching, json=options.json)
+
+
+def _add_stress(commands: _Commands) -> None:
+    stress = _command(commands, "stress", "axle stresses from wheel forces alone")
+    stress.add_argument("forces", type=Path, metavar="FORCES.csv", help="forces of both wheels over time or position")
+    names = ", ".join(shipped.names("wheelsets"))
+    stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
+    stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
+    stress.add_argument("--speed", type=float, metavar="V", help="m/s, for forces over the position and for bags")
+    stress.add_argument("--out", type=Path, metavar="FILE", help="write stresses as .csv, or all as .mcap")
+    _takes_json(stress)
+    stress.set_defaults(command=_stress)
+
+
+def _stress(options: argparse.Namespace) -> int:
+    from .stress import stress
+
+    nodes = [name.strip() for name in options.nodes.split(",")] if options.nodes else None
+    return stress(options.forces, options.wheelset, nodes, options.speed, options.out, json=options.json)
+
+
+def _add_demo(commands: _Commands) -> None:
+    demo = _command(commands, "demo", "stream, record and report the paper's Section 5.1 through the ROS 2 node")
+    demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
+    demo.set_defaults(command=_demo)
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from .demo import demo
+
+    return demo(options.out)
+
+
+def _node(arguments: list[str]) -> int:
+    from .needs_ros import needs_ros
+
+    with needs_ros("the node"):
+        from ..ros.process import main as node
+    status: int = node(arguments)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

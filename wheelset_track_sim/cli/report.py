@@ -1,0 +1,51 @@
+"""``report``: a page, a picture and a table of a bag."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..bags import Bag
+from ..bags.files import beside
+from ..errors import InputError
+from ..report import plot_run, summary_table, survey
+from ..samples.impacts import ImpactSettings
+from ..twin.measured import Matching, compare
+from ..twin.measured.reading import read_measurement
+from .console import terminal
+
+
+def report(
+    bag: Path,
+    out: Path | None,
+    settings: ImpactSettings | None = None,
+    measured: Path | None = None,
+    lag: float | None = None,
+) -> int:
+    """Write the page and the picture next to it, print the table; returns the exit status.
+
+    ``measured`` is a file of measured loads or stresses, which the page shows beside the run with its zero at
+    ``lag``, about. Without ``out`` the page is beside the bag.
+    """
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"--out {out} is no page: give a name that ends in .html")
+    try:
+        from ..report.page import write_report
+    except ModuleNotFoundError as missing:
+        if not (missing.name or "").startswith("bokeh"):
+            raise
+        raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
+    run = survey(bag, settings)
+    page = out or beside(bag, ".html")
+    comparison = None
+    if measured is not None:
+        matching = Matching(lag=lag, threshold=(settings or ImpactSettings()).threshold)
+        comparison = compare(Bag(bag).blocks(), read_measurement(measured), matching)
+    console = terminal()
+    console.print(summary_table(run))
+    for loss in run.losses:
+        console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
+    picture = page.with_suffix(".png")
+    plot_run(run, picture)
+    write_report(run, page, comparison)
+    console.print(f"picture {picture}\npage    {page}", highlight=False, soft_wrap=True)
+    return 0

@@ -1,0 +1,153 @@
+"""``replay --simulate-again``: a recorded run simulated again, as it was or with something changed."""
+
+from __future__ import annotations
+
+import json as json_text
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from ..samples.summary import Summary
+from ..scenario.scenario import WHEELS
+from ..twin import Again, simulate_again
+from ..twin.differences import Difference, Place
+from .console import terminal
+from .progress import shown
+
+
+def again(bag: Path, settings: Sequence[str], out: Path | None, *, json: bool) -> int:
+    """Simulate the run of a bag again and print how it compares; returns the exit status.
+
+    It is 1 if the same software on the same processor gives other numbers without anything having been set.
+    """
+    with shown() as progress:
+        found = simulate_again(bag, settings, out, progress)
+    console = terminal()
+    if json:
+        text = json_text.dumps(as_mapping(found))
+        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+    else:
+        console.print(peaks(found))
+        for line in verdict(found):
+            console.print(line, highlight=False, soft_wrap=True)
+    unexplained = not (found.identical or found.settings or found.origin or found.inputs.start or found.unknown)
+    return 1 if unexplained else 0
+
+
+def as_mapping(found: Again) -> dict[str, Any]:
+    """The object that ``replay --simulate-again --json`` prints."""
+    start = found.inputs.start
+    return {
+        "bag": str(found.path),
+        "identical": found.identical,
+        "samples": found.samples,
+        "duration_s": found.duration,
+        "revisions": len(found.inputs.changes) - 1,
+        "unknown_revisions": [*found.unknown],
+        "lost": [*map(str, found.lost)],
+        "set": [*found.settings],
+        "from_step": start.step if start else 0,
+        "beginning_known": start is None,
+        "force": _difference(found.force, "N"),
+        "stress": _difference(found.stress, "Pa"),
+        "moved_revisions": [
+            {"revision": revision, "recorded_step": recorded, "step": step} for revision, recorded, step in found.moved
+        ],
+        "differs_here": {name: {"bag": bag, "here": here} for name, (bag, here) in found.origin.items()},
+        "recorded": _peaks(found.before),
+        "simulated": _peaks(found.after),
+    }
+
+
+def _difference(of: Difference | None, unit: str) -> dict[str, Any] | None:
+    if of is None:
+        return None
+    return {
+        f"largest_{unit}": of.largest,
+        "signal": of.signal,
+        "at": _place(of.at),
+        "first": _place(of.first),
+        "last_beyond_0.1_percent": _place(of.last_beyond) if of.last_beyond else None,
+    }
+
+
+def _place(of: Place) -> dict[str, Any]:
+    return {"step": of.step, "time_s": of.time, "position_m": of.position}
+
+
+def _peaks(of: Summary) -> dict[str, Any]:
+    return {
+        "wheels": {
+            name: {"max_force_N": wheel.max_force, "min_force_N": wheel.min_force, "contact_loss_s": wheel.contact_loss}
+            for name, wheel in zip(WHEELS, of.wheels, strict=True)
+        },
+        "nodes": {
+            node.name: {"max_principal_Pa": node.max_principal, "min_principal_Pa": node.min_principal}
+            for node in of.nodes
+        },
+    }
+
+
+def peaks(found: Again) -> Table:
+    """Peaks as recorded and as simulated again, for people: kN, MPa, ms."""
+    changes = len(found.inputs.changes) - 1
+    title = f"{found.path.absolute().name}: {found.duration:.4g} s, {found.samples} steps, {changes} changes"
+    if found.settings:
+        title += f"\nwith {', '.join(found.settings)}"
+    table = Table(title=title, title_justify="left")
+    for heading in ("", "recorded", "as set" if found.settings else "simulated again", "difference"):
+        table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
+
+    def row(label: str, before: float, after: float, unit: str, digits: int = 1) -> None:
+        table.add_row(label, *(f"{value:.{digits}f} {unit}" for value in (before, after, after - before + 0.0)))
+
+    for name, old, new in zip(WHEELS, found.before.wheels, found.after.wheels, strict=True):
+        row(f"contact force {name}, max", old.max_force / 1e3, new.max_force / 1e3, "kN")
+        row(f"contact force {name}, min", old.min_force / 1e3, new.min_force / 1e3, "kN")
+        row(f"contact loss {name}", 1e3 * old.contact_loss, 1e3 * new.contact_loss, "ms", 2)
+    after = {node.name: node for node in found.after.nodes}
+    for node in found.before.nodes:
+        if node.name in after:
+            new_node = after[node.name]
+            label = f"max. principal stress {node.name}"
+            row(f"{label}, max", node.max_principal / 1e6, new_node.max_principal / 1e6, "MPa")
+            row(f"{label}, min", node.min_principal / 1e6, new_node.min_principal / 1e6, "MPa")
+    return table
+
+
+def verdict(found: Again) -> list[str]:
+    """What came out, in lines."""
+    lines = []
+    start = found.inputs.start
+    if start:
+        lines.append(
+            f"The bag does not hold what went in before step {start.step} ({start.time:.4f} s): the simulation begins "
+            "there in steady running, which the recorded run was not in."
+        )
+    if found.unknown:
+        lines.append(f"The bag does not hold what came in revision {', '.join(map(str, found.unknown))}.")
+    lines += [f"Not compared: {loss}." for loss in found.lost]
+    if found.identical:
+        lines.append("Bit-identical: every force and every stress is the same to the last bit.")
+    for name, difference, scale, unit in (("force", found.force, 1e3, "kN"), ("stress", found.stress, 1e6, "MPa")):
+        if difference is not None:
+            at, first = difference.at, difference.first
+            lines.append(
+                f"Largest difference in {name}: {difference.largest / scale:.3g} {unit} ({difference.signal}) at step "
+                f"{at.step}, {at.time:.4f} s, {at.position:.3f} m; the first at step {first.step}, {first.time:.4f} s, "
+                f"{first.position:.3f} m."
+            )
+            if start:
+                settled = difference.last_beyond
+                since = f"from {settled.time:.3f} s on" if settled else "all along"
+                lines.append(f"Within 0.1 % of the static value {since}.")
+    for revision, recorded, step in found.moved[:5]:
+        lines.append(
+            f"Revision {revision} comes into force at step {step}, not {recorded}: a defect that changes is in the "
+            "contact patch there."
+        )
+    for name, (bag, here) in found.origin.items():
+        lines.append(f"Not as recorded: {name} {here}, in the bag {bag}.")
+    return lines

@@ -1,0 +1,124 @@
+"""``run``: simulate without ROS, as fast as possible."""
+
+from __future__ import annotations
+
+import json as json_text
+import math
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from ..bags.settings import RecordSettings
+from ..errors import InputError
+from ..live.run_writer import RunWriter
+from ..samples.impacts import ImpactSettings
+from ..samples.summary import Summary, combine, summarise
+from ..scenario.scenario import WHEELS, load_scenario
+from ..simulation.simulator import Simulator
+from .console import terminal
+from .progress import shown
+
+CHUNK = 1389
+"""Steps from block to block in a bag: 50 ms at 100 km/h."""
+
+LONG_CHUNK = 4 * CHUNK
+"""The same without a bag, where nobody sees the blocks: what a block costs apart from its steps is a sixth of 50 ms."""
+
+LONGEST = 1e5
+"""Longest run, s."""
+
+
+def run(
+    scenario: str,
+    changes: Sequence[str],
+    duration: float | None,
+    out: Path | None,
+    *,
+    json: bool,
+    settings: RecordSettings | None = None,
+    impacts: ImpactSettings | None = None,
+) -> int:
+    """Simulate a scenario and print what came out; returns the exit status.
+
+    ``settings`` say how it is recorded to ``out``, ``impacts`` what makes an impact there.
+    """
+    what = load_scenario(scenario, changes)
+    if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
+        raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
+    with ExitStack() as stack:
+        progress = stack.enter_context(shown())
+        simulator = Simulator(what, progress)
+        writer = (
+            None if out is None else stack.enter_context(RunWriter(out, simulator, settings=settings, impacts=impacts))
+        )
+        chunk = LONG_CHUNK if writer is None else CHUNK
+        started = time.perf_counter()
+        totals: Summary | None = None
+        while (left := steps_left(simulator, duration)) > 0:
+            block = simulator.advance(min(chunk, left))
+            part = summarise(block)
+            totals = part if totals is None else combine([totals, part])
+            if writer is not None:
+                writer.push(block, part)
+            progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
+        if writer is not None:
+            writer.finish()
+        wall = time.perf_counter() - started
+    assert totals is not None
+    result = as_mapping(totals, simulator.time, wall)
+    result |= {"scenario": what.name, "digest": simulator.digest}
+    console = terminal()
+    if json:
+        console.print_json(json_text.dumps(result)) if console.is_terminal else print(json_text.dumps(result))  # noqa: T201
+    else:
+        console.print(table(result))
+    return 0
+
+
+def steps_left(simulator: Simulator, duration: float | None) -> int:
+    """Steps to the end of the run at the speed in force: one turn of the wheel, or ``duration`` s and one at least."""
+    if duration is None:
+        return simulator.steps_per_revolution - simulator.next_step
+    return max(round((duration - simulator.time) / simulator.step_period), 1 - simulator.next_step)
+
+
+def as_mapping(totals: Summary, simulated: float, wall: float) -> dict[str, Any]:
+    """The object that ``run --json`` prints."""
+    return {
+        "steps": totals.samples,
+        "simulated_s": simulated,
+        "wall_s": wall,
+        "real_time_factor": simulated / wall,
+        "wheels": {
+            name: {
+                "max_force_N": wheel.max_force,
+                "min_force_N": wheel.min_force,
+                "contact_loss_s": wheel.contact_loss,
+            }
+            for name, wheel in zip(WHEELS, totals.wheels, strict=True)
+        },
+        "nodes": {
+            node.name: {"max_principal_Pa": node.max_principal, "min_principal_Pa": node.min_principal}
+            for node in totals.nodes
+        },
+    }
+
+
+def table(result: dict[str, Any]) -> Table:
+    """The same for people: kN, MPa, ms."""
+    shown_as = Table(
+        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time"
+    )
+    for heading in ("", "maximum", "minimum", "contact loss"):
+        shown_as.add_column(heading, justify="right" if heading else "left")
+    for name, wheel in result["wheels"].items():
+        high, low, loss = wheel["max_force_N"] / 1e3, wheel["min_force_N"] / 1e3, wheel["contact_loss_s"] * 1e3
+        shown_as.add_row(f"contact force {name}", f"{high:.1f} kN", f"{low:.1f} kN", f"{loss:.2f} ms")
+    for name, node in result["nodes"].items():
+        high, low = node["max_principal_Pa"] / 1e6, node["min_principal_Pa"] / 1e6
+        shown_as.add_row(f"maximum principal stress {name}", f"{high:.1f} MPa", f"{low:.1f} MPa", "")
+    return shown_as

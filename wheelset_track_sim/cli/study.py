@@ -1,0 +1,106 @@
+"""``study``: run a parameter study, draw it, sum it up."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table as RichTable
+
+from ..errors import WheelsetTrackError
+from ..inputs import shipped
+from ..scenario.scenario import Scenario, scenario_from
+from ..studies.conduct import Place, Progress, conduct
+from ..studies.registry import figure
+from ..studies.results import Results
+from ..studies.study import Run, Study, load_study
+from ..studies.summary_page import write_summary
+from ..studies.tables import Table, tables, write_csv
+from .console import terminal
+from .progress import shown
+
+ALL = "all"
+"""The name that stands for every shipped study."""
+RESULTS = Path("results")
+
+
+@dataclass(frozen=True)
+class Task:
+    """One study, checked, with its folder."""
+
+    name: str
+    study: Study
+    scenario: Scenario
+    runs: tuple[Run, ...]
+    out: Path
+
+
+def study(name: str, changes: Sequence[str], out: Path | None, place: Place) -> int:
+    """Run a study, or all shipped ones, and print what came out; returns the exit status.
+
+    Raises InputError before anything runs for whatever cannot be used in any of them.
+    """
+    names = shipped.names("studies") if name == ALL else [name]
+    tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
+    console = terminal()
+    failed = sum(_carry_out(each, place, console) for each in tasks)
+    if failed:
+        raise WheelsetTrackError(f"{failed} run{'s' * (failed > 1)} failed, as told above; the others are kept")
+    return 0
+
+
+def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
+    """A study with all its scenarios; raises InputError for what cannot be used."""
+    what = load_study(name)
+    runs = what.runs(changes)
+    scenario = scenario_from(what.base(changes))
+    short = Path(name).stem
+    return Task(short, what, scenario, runs, out or RESULTS / _folder(short, scenario, runs, changes))
+
+
+def _folder(name: str, scenario: Scenario, runs: Sequence[Run], changes: Sequence[str]) -> str:
+    """Name of the folder: study, dynamics, and what else was changed."""
+    dynamics = sorted({run.scenario.dynamics for run in runs} or {scenario.dynamics})
+    others = [change for change in changes if not change.startswith("dynamics=")]
+    return "-".join([name, *dynamics, *(re.sub(r"[^\w.]+", "_", change).strip("_") for change in others)])
+
+
+def _carry_out(task: Task, place: Place, console: Console) -> int:
+    """Run, draw, write and print one study; returns how many runs failed."""
+    with shown() as progress:
+        results, there = conduct(task.name, task.study, task.runs, task.out, place, progress)
+        files = _draw(task, results, progress)
+    found = list(tables(results))
+    made_by = results.made_by if task.runs else f"Scenario {task.scenario.name}, {task.scenario.dynamics} dynamics"
+    pages = write_summary(task.out, task.study.title, task.study.description, made_by, found, files)
+    if there:
+        console.print(f"{there} of {len(task.runs)} runs were there already", highlight=False)
+    for table in found:
+        console.print(_for_terminal(table, task.study.title))
+    pictures = [path for path in files if path.suffix == ".png"]
+    for path in (*pictures, *pages):
+        console.print(f"{'picture' if path in pictures else 'summary'} {path}", highlight=False, soft_wrap=True)
+    return len(results.failures)
+
+
+def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
+    files: list[Path] = []
+    drawings = len(task.study.drawings)
+    for number, drawing in enumerate(task.study.drawings):
+        files += drawing.draw(results, task.out)
+        progress(f"draw {task.name}", (number + 1) / drawings)
+    for name in task.study.figures:
+        files += figure(name)(task.out, task.scenario, progress)
+    return files + (write_csv(results, task.out) if task.runs else [])
+
+
+def _for_terminal(table: Table, title: str) -> RichTable:
+    printed = RichTable(title=f"{title}\n{table.title}", title_justify="left")
+    for column, heading in enumerate(table.headings):
+        printed.add_column(heading, justify="left" if column == 0 else "right", overflow="fold")
+    for row in table.rows:
+        printed.add_row(*row)
+    return printed

@@ -1,0 +1,93 @@
+"""Elements in the order in which a smooth contact takes them in, and the factor of their influence matrix."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import ContactGeometry
+from ..hertz import HertzContact
+from ..influence import influence_table
+from .order_kernels import NestedContacts
+from .panel_kernels import PANEL, factored, inverted, row
+
+MOST_ELEMENTS = 1536
+"""Contacts have about half of them, at 500 kN; 12 MB are stored for them, and a quarter of a second is spent."""
+
+
+def nested_contacts(
+    geometry: ContactGeometry,
+    wheel: int,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    separation: NDArray[np.float64],
+) -> NestedContacts:
+    """Elements of the area ``x`` by ``y``, m, under ``wheel`` (0 or 1), up to MOST_ELEMENTS.
+
+    ``separation`` (nx, ny), m, is that of the nominal surfaces. Elements at the border of the area are left out: a
+    contact that comes near them is not for this method.
+    """
+    i, j = _order(geometry, wheel, separation)
+    element = i * len(y) + j
+    ordered = separation.ravel()[element]
+    left_out = np.delete(separation.ravel(), element).min(initial=np.inf)
+    material = geometry.youngs_modulus, geometry.poissons_ratio
+    spacing = float(x[1] - x[0]), float(y[1] - y[0])
+    factor, inverse, punch, own, far = _factor(*material, *spacing, tuple(i - len(x) // 2), tuple(j - len(y) // 2))
+    return NestedContacts(
+        element=element,
+        x=x[i],
+        y=y[j],
+        separation=ordered,
+        beyond=np.minimum.accumulate(np.append(ordered, left_out)[::-1])[::-1].copy(),
+        reach=np.maximum.accumulate(np.append(0, np.abs(i - len(x) // 2))),
+        factor=factor,
+        inverse=inverse,
+        punch=punch,
+        own=own,
+        far=far,
+    )
+
+
+def no_nested_contacts() -> NestedContacts:
+    """No elements: every contact is solved by the plain active set."""
+    none = np.zeros(0)
+    return NestedContacts(
+        np.zeros(0, np.int64), none, none, none, np.full(1, -np.inf), np.zeros(1, np.int64), none, none, none, 0.0, 0.0
+    )
+
+
+def _order(
+    geometry: ContactGeometry, wheel: int, separation: NDArray[np.float64]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Indices i and j of the elements, in whole panels, sorted by the size of the contact that they are at the edge of.
+
+    The ellipse of contact is a little slimmer than the ellipses of equal separation (Hertz), which the separation along
+    x is scaled to account for.
+    """
+    hertz = HertzContact(geometry.wheel_radius, geometry.pairs[wheel].crown, geometry.contact_modulus)
+    slimmer = hertz.axis_ratio**2 * hertz.radius_x / hertz.radius_y
+    nx, ny = separation.shape
+    at_edge = slimmer * separation[:, ny // 2, None] + separation[nx // 2]
+    inner = np.zeros(separation.shape, np.bool_)
+    inner[1:-1, 1:-1] = np.isfinite(separation[1:-1, 1:-1])
+    count = min(int(inner.sum()), MOST_ELEMENTS) // PANEL * PANEL
+    order = np.argsort(np.where(inner, at_edge, np.inf), axis=None, kind="stable")[:count]
+    return order // ny, order % ny
+
+
+@lru_cache(maxsize=4)
+def _factor(
+    youngs_modulus: float, poissons_ratio: float, dx: float, dy: float, i: tuple[int, ...], j: tuple[int, ...]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float, float]:
+    di, dj = (np.abs(np.subtract.outer(index, index)) for index in (np.array(i), np.array(j)))
+    table = influence_table(di.max() + 1, dj.max() + 1, dx, dy, youngs_modulus, poissons_ratio)
+    factor = factored(table[di, dj])
+    largest = len(i) // 2 // PANEL * PANEL
+    inverse = inverted(factor, largest)
+    punch = np.array([inverse[row(c) : row(c) + c + 1].sum() for c in range(largest)])
+    distance = np.hypot(np.arange(len(table))[:, None] * dx, np.arange(table.shape[1]) * dy)
+    far = float((table * distance).ravel()[1:].min())
+    return factor, inverse, punch, float(table[0, 0]), far

@@ -1,0 +1,109 @@
+"""The ``causal`` dynamics step by step: complex modes of wheelset and track, advanced exactly.
+
+Modes lie in banks: real and imaginary parts of a bank's rows stand ``ROW`` numbers apart in one array, whatever the
+number of modes. With distances that the compiler knows it need not look before each loop, in every step, whether what
+is written overlaps what is read; that took longer than the arithmetic. More than ``ROW`` modes fill several banks.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..runtime.jit import summing_kernel
+
+ROW = 136
+"""Modes in a bank: room for the shipped models in one; no power of two, whose rows would contend for cache lines."""
+
+
+class Causal(NamedTuple):
+    """State and coefficients; P wheelset modes, Q modes of each half of the track, L steps a bay.
+
+    The state is the predictor ``r``: each mode at the coming step, but for that step's own force. With the hold
+    coefficients ``a, b0, b1`` of ``simulation.hold`` one step is ``r <- a r + (a b1 + b0) s F``, s the modal load of a
+    unit force; that product is the gain of a wheel and the input of the track. The halves of the track are the
+    symmetric and the antisymmetric one. Numbers of modes are rounded up to whole vector registers.
+    """
+
+    wheels: np.ndarray  # (banks, 12 ROW) rows r, a, gain of wheel 1 and 2, output of wheel 1 and 2 away from the rail
+    wheel_modes: int  # P
+    track: np.ndarray  # (2 halves, banks, 4 ROW) rows r, a; a in the moving frame
+    places: np.ndarray  # (L, 2 halves, banks, 4 ROW) rows input at the place in the bay, output at the next place
+    track_modes: int  # Q
+    coming: np.ndarray  # (2, 2) m displacements of wheels and rails at the coming step, but for its own force
+    stress_output: np.ndarray  # (groups, banks, 8 ROW) rows of four stress components, of the first R modes
+    stress_modes: int  # R <= P
+    stress_direct: np.ndarray  # (S <= 4 groups, 2) Pa/N of the force at the same step
+    wheel_compliance: np.ndarray  # (2,) m/N of the force at the same step
+    rail_compliance: np.ndarray  # (L,) m/N of the force at the same step
+    speed: float  # m/s to which the track modes belong
+
+
+@summing_kernel
+def displacements(dynamics: Any, step: int, xi: np.ndarray) -> None:
+    """Fill ``xi`` (2, 2), m: [0] wheels and [1] rails, at ``step``, without the force of that step itself."""
+    coming = dynamics.coming
+    xi[0, 0], xi[0, 1], xi[1, 0], xi[1, 1] = coming[0, 0], coming[0, 1], coming[1, 0], coming[1, 1]
+
+
+@summing_kernel
+def advance(dynamics: Causal, step: int, forces: np.ndarray) -> None:
+    """Take in the ``forces`` (2,) N of ``step``, move all modes on to the next one and see what they displace there."""
+    coming, one, two = dynamics.coming, forces[0], forces[1]
+    coming[0, 0], coming[0, 1] = advance_wheels(dynamics, one, two)
+    place = dynamics.places[step % dynamics.places.shape[0]]
+    even = _advance_half(dynamics.track[0], place[0], dynamics.track_modes, (one + two) / 2)
+    odd = _advance_half(dynamics.track[1], place[1], dynamics.track_modes, (one - two) / 2)
+    coming[1, 0], coming[1, 1] = even + odd, even - odd
+
+
+@summing_kernel
+def advance_wheels(dynamics: Any, one: float, two: float) -> tuple[float, float]:
+    """Take in forces of wheel 1 and 2, N, and move the wheelset on; its displacements at the coming step, m."""
+    xi_1 = xi_2 = 0.0
+    for bank in range(dynamics.wheels.shape[0]):
+        w = dynamics.wheels[bank]
+        for p in range(min(ROW, dynamics.wheel_modes - bank * ROW)):
+            re, im, a_re, a_im = w[p], w[ROW + p], w[2 * ROW + p], w[3 * ROW + p]
+            real = a_re * re - a_im * im + w[4 * ROW + p] * one + w[6 * ROW + p] * two
+            imag = a_re * im + a_im * re + w[5 * ROW + p] * one + w[7 * ROW + p] * two
+            w[p], w[ROW + p] = real, imag
+            xi_1 += w[8 * ROW + p] * real - w[9 * ROW + p] * imag
+            xi_2 += w[10 * ROW + p] * real - w[11 * ROW + p] * imag
+    return xi_1, xi_2
+
+
+@summing_kernel
+def _advance_half(half: np.ndarray, place: np.ndarray, modes: int, force: float) -> float:
+    xi = 0.0
+    for bank in range(half.shape[0]):
+        h, at = half[bank], place[bank]
+        for q in range(min(ROW, modes - bank * ROW)):
+            re, im, a_re, a_im = h[q], h[ROW + q], h[2 * ROW + q], h[3 * ROW + q]
+            real = a_re * re - a_im * im + at[q] * force
+            imag = a_re * im + a_im * re + at[ROW + q] * force
+            h[q], h[ROW + q] = real, imag
+            xi += at[2 * ROW + q] * real - at[3 * ROW + q] * imag
+    return xi
+
+
+@summing_kernel
+def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
+    """Fill ``stress`` (S,) Pa at the step whose ``forces`` (2,) N are given; before ``advance``."""
+    direct, one, two = dynamics.stress_direct, forces[0], forces[1]
+    for group in range(dynamics.stress_output.shape[0]):
+        # Four sums at a time: each mode is loaded once for them, and no sum waits for its last addition.
+        sum_0 = sum_1 = sum_2 = sum_3 = 0.0
+        for bank in range(dynamics.stress_output.shape[1]):
+            w, out = dynamics.wheels[bank], dynamics.stress_output[group, bank]
+            for p in range(min(ROW, dynamics.stress_modes - bank * ROW)):
+                re, im = w[p], w[ROW + p]
+                sum_0 += out[p] * re - out[ROW + p] * im
+                sum_1 += out[2 * ROW + p] * re - out[3 * ROW + p] * im
+                sum_2 += out[4 * ROW + p] * re - out[5 * ROW + p] * im
+                sum_3 += out[6 * ROW + p] * re - out[7 * ROW + p] * im
+        for offset, total in enumerate((sum_0, sum_1, sum_2, sum_3)):
+            s = 4 * group + offset
+            if s < stress.size:
+                stress[s] = total + direct[s, 0] * one + direct[s, 1] * two

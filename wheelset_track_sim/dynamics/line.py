@@ -1,0 +1,158 @@
+"""The ``causal`` dynamics of a track whose supports differ along the line: bays around the wheels, stepped in time.
+
+Modes of the whole line would have to be worked out anew for each set of supports, and there are 24 of them a bay.
+Here the bays stand side by side as ``structures.track_line`` reduces them, 47 around the wheels; when the wheels come
+to the next sleeper all of them move on by one column, so a line may have any length at the same cost. Towards both
+ends dampers on the rails take up what runs away. Only the rail joins bays, so a step solves one chain of nodes.
+
+A step of ``M u'' + C u' + K u = f`` is that of N. M. Newmark with ``gamma = 1/2`` and ``beta = 1/12`` (R. J. Goodwin
+and L. Fox): the period of a mode errs by ``(omega dt)^4 / 480``, which is 2e-4 at 2.5 kHz and 100 km/h. It is stable up
+to ``omega dt = 2.45``; where bays have higher frequencies, at low speeds, they get as much inertia ``alpha dt^2 K``
+as they need, and the rail's modes beyond ``omega dt = 2`` the inertia that holds them there. Statics do not know of it,
+and what is high in frequency follows more slowly than it should; passive it stays.
+
+The force of a step moves bays and wheels at that step itself by a compliance, to which modes left out add their static
+one, as in ``causal``. Ballast under hanging sleepers is the one thing that is not linear: what it pushes with follows
+from the predictor of the step. The sleepers' own weight is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from ..errors import InputError
+from ..runtime.jit import Address
+from ..runtime.one_core import on_one_core
+from ..track.line import TrackLine
+from .line_bay_kernels import COLUMNS, FACTORS, HALF, MIDDLE, NODES, RAIL_MODES, ROWS, SLEEPER
+from .line_kernels import Bays, Line, move
+from .line_steps import line_parts, line_steps
+from .running_wheelset import RunningWheelset
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LineModel(RunningWheelset):
+    """One wheelset on one line of bays, ready to be stepped at any speed."""
+
+    line: TrackLine
+    residual: bool
+    """Whether modes of the rail that are left out displace it at the force's instant."""
+    longest_step: ClassVar[float] = 2.0e-4
+    """In longer ones impacts come out twice as high, and from 0.3 ms on the force grows without bound, s."""
+
+    @on_one_core
+    def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
+        """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over the line.
+
+        Hanging sleepers count as if they lay on their ballast.
+        """
+        displacement: Real = (self.static_wheels() + _mean_compliance(self.line)) * wheel_load
+        return displacement
+
+    @on_one_core
+    def start(self, wheel_load: float, step: int, dx: float, speed: float) -> Line:
+        """Dynamics at ``speed`` m/s and in equilibrium with ``wheel_load`` N standing on both wheels at ``step``.
+
+        Hanging sleepers begin as if they lay on their ballast.
+        """
+        steps = line_steps(self.line, self.residual, dx, speed)
+        sleeper = (step + len(steps.own) // 2) // len(steps.own)
+        state = self.standing(wheel_load, dx / speed)
+        coming = np.zeros((2, 2))
+        coming[0] = (self.wheelset.outputs @ state).real
+        bays = Bays(
+            coming=coming,
+            rail_compliance=np.zeros(1),
+            deflection=_standing(self.line, sleeper, step * dx, wheel_load),
+            velocity=np.zeros(ROWS * COLUMNS),
+            acceleration=np.zeros(ROWS * COLUMNS),
+            load=np.zeros(ROWS * COLUMNS),
+            work=np.zeros((4 * HALF + 4) * COLUMNS),
+            window=np.zeros(FACTORS * COLUMNS),
+            hub=np.zeros((12, 12)),
+            push=np.ones(7 + 3 * RAIL_MODES),
+            at=np.array([sleeper, 0]),
+            parts=line_parts(self.line, dx),
+            steps=steps,
+        )
+        mover = _mover(bays)
+        move(bays, step, 0.0, 0.0)  # nothing is loaded yet, so nothing moves
+        return Line(
+            **self.at(state, dx, speed, speed)._asdict(),
+            coming=coming,
+            rail_compliance=bays.rail_compliance,
+            bays=bays,
+            move=mover,
+            speed=speed,
+        )
+
+    @on_one_core
+    def at_speed(self, dynamics: Line, step: int, dx: float, speed: float, behind: float) -> Line:
+        """Dynamics at another ``speed`` m/s, with the state of ``dynamics``, which has come to ``step``.
+
+        For the one step at which the speed changes, ``behind`` is the speed with which that step was reached.
+        """
+        if dynamics.speed != speed:
+            dynamics.bays.at[1] = 0
+        bays = dynamics.bays._replace(steps=line_steps(self.line, self.residual, dx, speed))
+        wheels = self.at(self.state_of(dynamics.wheels), dx, speed, behind)
+        return dynamics._replace(**wheels._asdict(), bays=bays, speed=speed)
+
+    @on_one_core
+    def prepare(self, dx: float, speed: float) -> None:
+        """Work out what every run at ``speed`` m/s needs, and keep it for a while."""
+        line_steps(self.line, self.residual, dx, speed)
+
+
+def line_model(running: RunningWheelset, line: TrackLine, dx: float, lag_zero: str) -> LineModel:
+    """Join a wheelset and a line; raises InputError for hanging sleepers that steps of ``dx`` m cannot follow."""
+    hanging = ~np.isnan(line.gap)
+    sleeper = line.track.sleeper
+    if hanging.any() and sleeper is not None:
+        damping, mass = line.ballast_damping[hanging].max(), sleeper.rhoA * sleeper.length
+        if damping * dx / SLOWEST > mass:
+            raise InputError(
+                f"the ballast damping of hanging sleepers, {damping:g} N s/m, is too high for steps of {dx:g} m: give "
+                f"up to {mass * SLOWEST / dx:.3g} N s/m"
+            )
+    return LineModel(**vars(running), line=line, residual=lag_zero != "zero")
+
+
+SLOWEST = 5.0
+"""Lowest speed of a scenario, m/s."""
+
+
+_MOVER: list[Address] = []
+
+
+def _mover(bays: Bays) -> Address:
+    """``move`` for the coupled step: compiled once, whether that solves contacts or not."""
+    if not _MOVER:  # to the compiler, all bays are of one type
+        _MOVER.append(Address(move, 0, (bays, 0, 0.0, 0.0)))
+    return _MOVER[0]
+
+
+@lru_cache(maxsize=8)
+def _mean_compliance(line: TrackLine) -> Real:
+    """Mean over the line of what a unit load on both wheels deflects rail 1 and 2, (2,) m/N."""
+    return np.asarray(line.compliance(np.arange(2 * line.bays) * (line.track.spacing / 2)).mean(axis=0))
+
+
+def _standing(line: TrackLine, sleeper: int, x: float, wheel_load: float) -> Real:
+    """Deflections (ROWS COLUMNS,) of the bays around ``sleeper`` under loads at ``x`` m, at most half a bay from it."""
+    first = sleeper - MIDDLE
+    K = line.matrices(first, COLUMNS)[2]
+    rows = line.rows(x, 0, first, COLUMNS) + line.rows(x, 1, first, COLUMNS)
+    load = rows.toarray()[0] * wheel_load
+    deflection = np.zeros((ROWS, COLUMNS))
+    deflection[: line.size, :NODES] = splu(K).solve(load).reshape(COLUMNS, -1).T[:, :NODES]
+    deflection[4:SLEEPER, NODES - 1] = 0.0
+    return deflection.ravel()

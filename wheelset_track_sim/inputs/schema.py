@@ -1,0 +1,190 @@
+"""Frozen dataclasses whose numbers carry unit, limits and meaning, read from plain mappings and checked whole.
+
+One declaration serves the scenario file, the ROS parameter descriptors and the documentation::
+
+    @dataclass(frozen=True)
+    class Pad:
+        stiffness: float = quantity("N/m", 1e6, 1e10, "vertical stiffness")
+
+        def __post_init__(self) -> None:
+            check(self)
+
+    pad = read(Pad, {"stiffness": 120e6}, "track.pad")
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+import types
+import typing
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, TypeVar
+
+from ..errors import InputError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number is: unit, closed limits, meaning."""
+
+    unit: str
+    low: float
+    high: float
+    meaning: str
+
+    def refusal(self, where: str, value: Any) -> str | None:
+        """One line that says why ``value`` cannot be used at ``where``, or None."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            found = f"{where} = {value!r} is not a number"
+        elif not math.isfinite(value):
+            found = f"{where} = {value} is not finite"
+        elif not self.low <= value <= self.high:
+            found = f"{where} = {value:g} {self.unit} is out of range".replace("  ", " ")
+        else:
+            return None
+        return f"{found}: give {self.meaning or 'a value'} from {self.low:g} to {self.high:g} {self.unit}".rstrip()
+
+
+def quantity(unit: str, low: float, high: float, meaning: str = "", *, default: Any = dataclasses.MISSING) -> Any:
+    """Field of a frozen dataclass that holds a number with unit and limits."""
+    field: Any = dataclasses.field
+    return field(default=default, metadata={"quantity": Quantity(unit, low, high, meaning)})
+
+
+def quantity_of(owner: type, name: str) -> Quantity:
+    """Quantity declared for field ``name`` of dataclass ``owner``; KeyError if there is none."""
+    found: Quantity = owner.__dataclass_fields__[name].metadata["quantity"]  # type: ignore[attr-defined]
+    return found
+
+
+def check(instance: Any, where: str = "") -> None:
+    """Raise InputError naming the first number of a dataclass instance that is out of its limits."""
+    prefix = f"{where}." if where else ""
+    for field in dataclasses.fields(instance):
+        declared = field.metadata.get("quantity")
+        if declared is not None:
+            refusal = declared.refusal(prefix + field.name, getattr(instance, field.name))
+            if refusal:
+                raise InputError(refusal)
+
+
+def read(owner: type[T], data: Any, where: str) -> T:
+    """Instance of dataclass ``owner`` from a mapping of plain values; ``where`` names it in messages.
+
+    Raises InputError for a key that is unknown or missing, a wrong type, or a value out of its limits.
+    """
+    hints = _hints(typing.cast(Any, owner))
+    if not isinstance(data, Mapping):
+        raise InputError(f"{where} = {data!r} is not a mapping: give {', '.join(hints)}")
+    fields = {field.name: field for field in dataclasses.fields(owner) if field.init}  # type: ignore[arg-type]
+    for key in data:
+        if key not in fields:
+            raise InputError(unknown("key", f"{where}.{key}".lstrip("."), str(key), [*fields]))
+    values: dict[str, Any] = {}
+    for name, field in fields.items():
+        path = f"{where}.{name}".lstrip(".")
+        if name in data:
+            declared = field.metadata.get("quantity")
+            refusal = declared.refusal(path, data[name]) if declared else None
+            if refusal:
+                raise InputError(refusal)
+            values[name] = _value(hints[name], data[name], path)
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
+            raise InputError(f"{path} is missing: give it in {where or 'the file'}")
+    try:
+        return owner(**values)
+    except InputError as refusal:
+        if str(refusal).startswith(where):
+            raise
+        raise InputError(f"{where}: {refusal}") from None
+
+
+def plain(value: Any) -> Any:
+    """Mappings, lists and numbers that ``read`` turns into an equal ``value``."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        kind = {"type": value.type} if hasattr(value, "type") else {}
+        return kind | {
+            field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.init
+        }
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return value
+
+
+def unknown(what: str, where: str, name: str, known: Sequence[str]) -> str:
+    """One line that refuses a name and lists those that are known, the nearest first."""
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    return f"{where} is not a known {what}: {hint}known are {', '.join(known) or 'none'}"
+
+
+PLAIN: dict[Any, str] = {
+    int: "a whole number",
+    bool: "true or false",
+    str: "a text, in quotes if it looks like a number",
+}
+
+
+@cache
+def _hints(owner: Any) -> dict[str, Any]:
+    return {name: hint for name, hint in typing.get_type_hints(owner).items() if name in owner.__dataclass_fields__}
+
+
+def _value(hint: Any, data: Any, where: str) -> Any:
+    """``data`` as the type that the annotation names."""
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin is typing.Literal:
+        if data not in arguments:
+            raise InputError(unknown("choice", f"{where} = {data!r}", str(data), [str(item) for item in arguments]))
+        return data
+    if origin in (typing.Union, types.UnionType):
+        return _one_of(arguments, data, where)
+    if origin is tuple:
+        if isinstance(data, str) or not isinstance(data, Sequence):
+            raise InputError(f"{where} = {data!r} is not a list: put its entries in brackets, or a dash before each")
+        if arguments[1:] != (...,) and len(data) != len(arguments):
+            raise InputError(f"{where} has {len(data)} entries: give {len(arguments)}")
+        hints = [arguments[0]] * len(data) if arguments[1:] == (...,) else arguments
+        return tuple(
+            _value(item, entry, f"{where}.{index}") for index, (item, entry) in enumerate(zip(hints, data, strict=True))
+        )
+    if dataclasses.is_dataclass(hint):
+        if isinstance(data, hint):  # type: ignore[arg-type]
+            return data
+        return _one_of((hint,), data, where) if hasattr(hint, "type") else read(hint, data, where)  # type: ignore[arg-type]
+    if hint is float:
+        if isinstance(data, bool) or not isinstance(data, (int, float)) or not math.isfinite(data):
+            raise InputError(f"{where} = {data!r} is not a finite number: give one")
+        return float(data)
+    if hint in (int, bool, str) and type(data) is not hint:
+        raise InputError(f"{where} = {data!r} is not of type {hint.__name__}: give {PLAIN[hint]}")
+    return data
+
+
+def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
+    """``data`` as one of the members of a union: None, plain types, or dataclasses told apart by their ``type``."""
+    if data is None and type(None) in arguments:
+        return None
+    kinds = {kind.type: kind for kind in arguments if hasattr(kind, "type")}
+    if isinstance(data, Mapping) and kinds:
+        if "type" not in data:
+            raise InputError(f"{where}.type is missing: known are {', '.join(kinds)}")
+        if data["type"] not in kinds:
+            raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
+        return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
+    plain = [kind for kind in arguments if dataclasses.is_dataclass(kind)]
+    if len(plain) == 1 and isinstance(data, Mapping):
+        return _value(plain[0], data, where)
+    for argument in arguments:
+        if argument is type(data) or (argument is float and type(data) is int):
+            return _value(argument, data, where)
+    names = ", ".join(getattr(argument, "__name__", str(argument)) for argument in arguments)
+    raise InputError(f"{where} = {data!r} is not of type {names}")

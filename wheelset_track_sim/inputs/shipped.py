@@ -1,0 +1,108 @@
+"""Files that come with the package: scenarios, wheelsets, tracks, studies; a name finds one, a path finds another."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .schema import unknown
+from .yaml12 import parse
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
+MAX_DEPTH = 8
+"""Models that stand on one another by ``base``."""
+
+
+def names(kind: str, suffix: str = ".yaml") -> list[str]:
+    """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``, ``studies``."""
+    return sorted(entry.name.removesuffix(suffix) for entry in _folder(kind).iterdir() if entry.name.endswith(suffix))
+
+
+def text(kind: str, file: str) -> str:
+    """Content of a shipped file of a kind."""
+    return (_folder(kind) / file).read_text(encoding="utf-8")
+
+
+def load_yaml(kind: str, name_or_path: str | Path) -> Any:
+    """Content of a shipped YAML file (by name) or of the user's (by path), which may be an ``.npz`` of the same keys.
+
+    Raises InputError if there is no such file, or if it is not what its name says.
+    """
+    shipped = _folder(kind) / f"{name_or_path}.yaml"
+    path = Path(name_or_path)
+    source: Traversable | Path
+    if str(name_or_path) in names(kind):
+        source = shipped
+    elif path.suffix == ".npz":
+        return _arrays(path)
+    elif path.suffix in {".yaml", ".yml"} or path.exists():
+        source = path
+    else:
+        raise InputError(unknown(singular(kind), repr(str(name_or_path)), str(name_or_path), names(kind)))
+    try:
+        text = source.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as reason:
+        known = ", ".join(names(kind))
+        raise InputError(f"{source} cannot be read ({reason}): give a YAML file or one of {known}") from None
+    return parse(text, str(source))
+
+
+def _arrays(path: Path) -> dict[str, Any]:
+    """Mapping from the arrays of a file: dots in their names lead into mappings, whole numbers into lists.
+
+    Arrays of numbers become text, a row a line: YAML holds that as quickly as it is read here.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in sorted(stored.files)}
+    except (OSError, ValueError, EOFError, BadZipFile) as reason:
+        raise InputError(f"{path} cannot be read ({reason}): give a file of numpy.savez") from None
+    content: dict[str, Any] = {}
+    for name, array in arrays.items():
+        *parts, last = name.split(".")
+        place = content
+        for part in parts:
+            place = place.setdefault(part, {})
+        table = array.ndim > 0 and array.dtype.kind in "fiu"
+        place[last] = table_text(array) if table else array.tolist()
+    plain = _with_lists(content)
+    return plain if isinstance(plain, dict) else {}
+
+
+def table_text(array: NDArray[Any]) -> str:
+    """Numbers (n,) or (n, m) as text, a row a line; read again they are the same, bit by bit."""
+    rows = np.atleast_2d(array.T).T if array.ndim == 1 else array
+    return "".join(" ".join(map(repr, row)) + "\n" for row in np.asarray(rows, dtype=np.float64).tolist())
+
+
+def _with_lists(content: Any) -> Any:
+    if not isinstance(content, dict):
+        return content
+    plain = {key: _with_lists(item) for key, item in content.items()}
+    if plain and all(key.isdigit() for key in plain):
+        return [plain[key] for key in sorted(plain, key=int)]
+    return plain
+
+
+def located(kind: str, name_or_path: str) -> Traversable | Path:
+    """A shipped file of a kind by its whole name, or the user's by its path; it may not be there."""
+    path = Path(name_or_path)
+    found = _folder(kind) / name_or_path if path.name == name_or_path else None
+    return found if found is not None and found.is_file() and not path.exists() else path
+
+
+def singular(kind: str) -> str:
+    """``scenario`` of ``scenarios``, ``study`` of ``studies``."""
+    return kind.removesuffix("ies") + "y" if kind.endswith("ies") else kind.removesuffix("s")
+
+
+def _folder(kind: str) -> Traversable:
+    return files("wheelset_track_sim") / "data" / "config" / kind

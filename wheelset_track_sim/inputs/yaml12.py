@@ -1,0 +1,60 @@
+"""YAML 1.2, where ``on`` is a key and not a truth value, and ``1e-3`` a number and not a text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from io import StringIO
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.constructor import DuplicateKeyError
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
+
+from ..errors import InputError
+
+DEEPEST = 20
+"""Lists and mappings in one another, in a text that is not trusted."""
+
+
+def parse(text: str, where: str, *, trusted: bool = True) -> Any:
+    """Plain value of a YAML text; raises InputError naming ``where`` if it is not YAML.
+
+    One that is not ``trusted`` is refused if it holds aliases, by which a short text can stand for a huge value, or is
+    nested more than ``DEEPEST`` times, which takes long to read.
+    """
+    try:
+        if not trusted:
+            _check_events(YAML(typ="safe", pure=True).parse(text), where)
+        return YAML(typ="safe", pure=True).load(text)
+    except InputError:
+        raise
+    except RecursionError:
+        raise InputError(f"{where} is nested too deeply: give a flatter one") from None
+    except DuplicateKeyError as reason:
+        line = f", line {reason.problem_mark.line + 1}" if reason.problem_mark else ""
+        raise InputError(f"{where}{line}: {reason.problem}: give it once") from None
+    except YAMLError as reason:
+        raise InputError(f"{where} is not YAML ({' '.join(str(reason).split())}): correct it there") from None
+    except ValueError as reason:  # a date or number that looks like one and is none
+        raise InputError(f"{where} is not YAML ({reason}): correct it there") from None
+
+
+def _check_events(events: Iterable[Any], where: str) -> None:
+    depth = 0
+    for event in events:
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        if isinstance(event, AliasEvent):
+            raise InputError(f"{where} holds an alias (*): write out what it stands for")
+        if depth > DEEPEST:
+            raise InputError(f"{where} is nested more than {DEEPEST} times: give a flatter one")
+
+
+def dump(value: Any) -> str:
+    """A plain value as YAML text; ``parse`` gives it back, floats bit by bit."""
+    out = StringIO()
+    yaml: Any = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = False
+    yaml.sort_base_mapping_type_on_output = False
+    yaml.dump(value, out)
+    return out.getvalue()

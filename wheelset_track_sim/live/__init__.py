@@ -1,0 +1,1 @@
+"""A run as a stream, without ROS: pace, changes, what is watched and recorded."""

@@ -1,0 +1,175 @@
+"""The bag that a node writes, if it writes one."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from functools import partial
+from itertools import count
+from pathlib import Path
+
+from ..bags.buffered import BufferedWriter
+from ..bags.messages import Message
+from ..bags.settings import RecordSettings
+from ..bags.snapshots import writer_of
+from ..bags.writer import PREFIX
+from ..errors import InputError, RecordingError
+from ..monitoring.status import RecordingFigures, Status, recording_status
+from ..simulation.simulator import Simulator
+from .origin import run_info
+
+LONGEST_NAME = 200
+"""Bytes of a name that comes over ROS."""
+
+
+class Recorder:
+    """At most one open bag; its methods may be called from any thread, and what waits for a disk says so."""
+
+    def __init__(self, prefix: str, log: Callable[[str], object]) -> None:
+        """``prefix`` stands before the topics in the bag: the name of the node with its namespace.
+
+        ``log`` is told in any thread what a bag loses.
+        """
+        self._prefix, self._log = prefix, log
+        self._lock = threading.Lock()
+        self._bag: BufferedWriter | None = None
+        self._first = self._beside = Path()
+        self.settings = RecordSettings()
+        """Of the recordings that begin from now on."""
+        self.patient = False
+        """Whether samples wait for the disk, because nobody keeps time."""
+        self._refused: InputError | None = None
+        self.lost: RecordingError | None = None
+        """What the last recording lost, or ended before its time for."""
+
+    @property
+    def path(self) -> str:
+        """Path of the open bag; empty if there is none."""
+        bag = self._bag
+        return str(bag.path) if bag else ""
+
+    @property
+    def status(self) -> Status:
+        """How the recording is."""
+        bag = self._bag
+        waiting = bag.waiting if bag else 0
+        figures = RecordingFigures(self.path, self.lost, self._refused, waiting, self.settings.buffer_size)
+        return recording_status(figures)
+
+    def open(self, path: Path, simulator: Simulator, start_ns: int) -> BufferedWriter:
+        """Open a bag for ``take``, which waits for the disk; ``start_ns`` is the time stamp of step 0, ns.
+
+        Raises InputError if one is taken already, or this one exists or cannot be written.
+        """
+        self._require_none()
+        info, settings = run_info(simulator), self.settings
+        try:
+            bag = writer_of(path, info, settings, start_ns=start_ns, prefix=self._prefix)
+        except InputError as refusal:
+            self._refused = refusal
+            raise
+        return BufferedWriter(bag, settings.buffer_size, partial(self._on_loss, bag.path))
+
+    def take(self, bag: BufferedWriter) -> None:
+        """Record to an open bag from the next message on; InputError if there is another."""
+        with self._lock:
+            if self._bag is None:
+                self._first = self._first if bag.path == self._beside else bag.path
+                self._bag, self.lost, self._refused = bag, None, None
+                return
+        bag.discard()
+        self._require_none()
+
+    def write(self, messages: Iterable[Message]) -> None:
+        """Record messages if a bag is open."""
+        bag = self._bag
+        if bag is not None:
+            bag.put(messages, patient=self.patient)
+
+    def split(self) -> Future[Path]:
+        """Go on in the next file of the bag, the result; InputError if there is nothing to split.
+
+        As a result RecordingError if the disk refuses, which ends the recording.
+        """
+        return self._needed().split()
+
+    def snapshot(self) -> Future[Path]:
+        """Write what is kept, the result is the path; InputError if nothing is, likewise."""
+        return self._needed().snapshot()
+
+    def stop(self) -> Future[str]:
+        """Take no more, and close the bag if one is open: the result is its path, or nothing.
+
+        As a result RecordingError if the disk refuses.
+        """
+        with self._lock:
+            bag, self._bag = self._bag, None
+        stopped: Future[str] = Future()
+        if bag is None:
+            stopped.set_result("")
+            return stopped
+
+        def tell(closed: Future[None]) -> None:
+            failure = closed.exception()
+            if failure is None:
+                stopped.set_result(str(bag.path))
+            else:
+                stopped.set_exception(failure)
+
+        bag.close().add_done_callback(tell)
+        return stopped
+
+    def _on_loss(self, path: Path, reason: RecordingError, ended: bool) -> None:
+        with self._lock:
+            self.lost = reason
+            if ended and self._bag is not None and self._bag.path == path:
+                self._bag = None
+        self._log(f"recording ends here: {reason}" if ended else str(reason))
+
+    def _needed(self) -> BufferedWriter:
+        bag = self._bag
+        if bag is None:
+            raise InputError("nothing is being recorded: start a recording first")
+        return bag
+
+    def _require_none(self) -> None:
+        bag = self._bag
+        if bag is not None:
+            raise InputError(f"{bag.path} is being recorded: stop it first")
+
+    def beside(self) -> Path:
+        """A bag for the next run, beside that of the first: the first of ``PATH_2``, ``PATH_3``, ... that is free."""
+        first = self._first
+        tried = (first.with_name(f"{first.stem}_{number}{first.suffix}") for number in count(2))
+        self._beside = next(path for path in tried if not path.exists())
+        return self._beside
+
+    def path_now(self, folder: str) -> Path:
+        """A bag in ``folder`` by date and time, and by the name of the node if it has one of its own."""
+        return Path(folder).expanduser() / name_now(self._prefix)
+
+
+def path_below(folder: str, name: str) -> Path:
+    """The bag ``name`` below ``folder``; InputError for a name that is too long or leads out of it, also by a link."""
+    shown = repr(name if len(name) < 50 else name[:50] + "...")
+    size = len(name.encode(errors="surrogatepass"))
+    if size > LONGEST_NAME:
+        raise InputError(f"name = {shown} has {size} bytes: give at most {LONGEST_NAME}")
+    if not name.isprintable():
+        raise InputError(f"name = {shown} holds characters that cannot be printed: give letters, digits and such")
+    base = Path(folder).expanduser().resolve()
+    try:
+        path = (base / name).resolve()
+    except (OSError, RuntimeError):  # a link to itself
+        path = base
+    if Path(name).is_absolute() or ".." in Path(name).parts or base not in path.parents:
+        raise InputError(f"name = {shown} leads out of {base}: give a path below it, without ..")
+    return path
+
+
+def name_now(node: str) -> str:
+    """Name of a bag by date and time, and by that of the node if it has one of its own: a fleet starts at one time."""
+    own = "" if node == PREFIX else node.replace("/", "_")
+    return time.strftime("run_%Y%m%d_%H%M%S") + own

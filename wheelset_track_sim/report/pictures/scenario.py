@@ -1,0 +1,95 @@
+"""One picture of a scenario: irregular treads and rails, profiles, supports that differ, the wheelset's section."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from matplotlib.figure import SubFigure
+
+from ...scenario.scenario import WHEELS, Profiles, Scenario
+from ...simulation.models import described
+from ...studies.drawing import new_figure
+from ...wheelset.kinds import reduce_wheelset
+from ...wheelset.section_outline import section_outline
+from ..figures import write_png
+from .profiles import draw_profiles
+from .supports import draw_supports, uneven
+from .surfaces import Surface, draw_along, draw_map, irregular_surfaces
+from .wheelset import draw_wheelset
+
+Progress = Callable[[str, float], None]
+
+
+SPACE = 0.1
+"""Space below the title and above the note, inches."""
+
+
+class Row(NamedTuple):
+    """A row of the picture."""
+
+    height: float
+    """inches"""
+    draw: Callable[[SubFigure], None]
+    special: bool
+    """Whether it differs from that of the paper's wheelset on the paper's track."""
+
+
+def show_scenario(scenario: Scenario, path: Path, progress: Progress | None = None) -> Path:
+    """Write the picture (PNG) of a scenario; returns its path.
+
+    Raises InputError for a scenario that cannot be used, as the simulator does, and for a path that cannot be written.
+    """
+    return write_rows(path, scenario.name, description(scenario), rows_of(scenario, progress))
+
+
+def write_rows(path: Path, title: str, note: str, rows: Sequence[Row]) -> Path:
+    """Write rows as one picture (PNG); returns its path. Raises InputError for a path that cannot be written."""
+    heights = [SPACE, *(row.height for row in rows), SPACE]
+    with new_figure(sum(heights), title, note) as figure:
+        parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)
+        for part, row in zip(parts[1:-1, 0], rows, strict=True):
+            row.draw(part)
+        return write_png(figure, path)
+
+
+def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
+    """What there is to see of a scenario, from its treads to its wheelset; raises InputError."""
+    wheelset, track, geometry = described(scenario)
+    model = reduce_wheelset(wheelset, progress)
+    outline = section_outline(wheelset, model)
+    turn = round(2 * math.pi * model.rolling_radius / scenario.step_length)
+
+    def surface_row(surface: Surface) -> Row:
+        def draw(part: SubFigure) -> None:
+            along, around = part.subplots(1, 2, width_ratios=(1.5, 1.0))
+            draw_along(along, surface)
+            draw_map(around, surface)
+
+        return Row(2.4, draw, special=True)
+
+    def profiles(part: SubFigure) -> None:
+        # Seen in running direction, wheel 2 is on the left.
+        for axes, wheel in zip(part.subplots(1, 2), reversed(range(len(WHEELS))), strict=True):
+            draw_profiles(axes, geometry, wheel)
+
+    def supports(part: SubFigure) -> None:
+        kinds = uneven(track)
+        for axes, kind in zip(part.subplots(1, len(kinds), squeeze=False)[0], kinds, strict=True):
+            draw_supports(axes, track, kind)
+
+    rows = [surface_row(surface) for surface in irregular_surfaces(scenario, turn)]
+    rows.append(Row(2.9, profiles, special=scenario.profiles != Profiles()))
+    if uneven(track):
+        rows.append(Row(2.4, supports, special=True))
+    rows.append(Row(4.2, lambda part: draw_wheelset(part.subplots(), outline), special=scenario.wheelset != "x40"))
+    return rows
+
+
+def description(scenario: Scenario) -> str:
+    """Wheelset, track, load and speed in a line."""
+    wheelset, track, _ = described(scenario)
+    load = f"{scenario.axle_load / 1e3:.1f} kN on both wheels, {3.6 * scenario.speed:.0f} km/h"
+    return f"{wheelset.name} on {track.name}, {load}"

@@ -1,0 +1,1 @@
+"""What models and kernels need of the machine: caches, compiled functions, one core, memory."""

@@ -1,0 +1,1 @@
+"""What comes out of a run: blocks of samples, and what is derived from them."""

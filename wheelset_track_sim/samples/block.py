@@ -1,0 +1,53 @@
+"""The unit of the stream: a gap-free run of samples at one speed and one revision."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .principal import maximum_principal
+
+
+@dataclass(frozen=True, eq=False)
+class SampleBlock:
+    """Consecutive samples, one for each step unless it is decimated; the arrays are read-only.
+
+    A simulation, a bag and a replay yield the same blocks. The block length carries no meaning: the same run cut
+    differently holds the same numbers, bit by bit.
+    """
+
+    first_step: int
+    """Index of the first sample; counts from 0 and never repeats in a run."""
+    time: float
+    """Simulated time of the first sample since step 0, s."""
+    step_period: float
+    """Time from sample to sample, s."""
+    speed: float
+    """m/s, constant within the block."""
+    position: float
+    """Position of the first sample along the track, ``first_step * dx``, m."""
+    revision: int
+    """Number of the accepted change that is in force, from 0."""
+    forces: NDArray[np.float64]
+    """Contact forces of wheel 1 and wheel 2, (samples, 2), N, positive in compression."""
+    stresses: NDArray[np.float64]
+    """Axle stress, (samples, nodes, 6), Pa, components in the order of ``COMPONENTS``."""
+    nodes: tuple[str, ...]
+    """Names of the stress nodes."""
+    decimation: int = 1
+    """Steps from sample to sample."""
+
+    def __post_init__(self) -> None:
+        self.forces.flags.writeable = False
+        self.stresses.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.forces)
+
+    @cached_property
+    def max_principal(self) -> NDArray[np.float64]:
+        """Maximum principal stress, (samples, nodes), Pa."""
+        return maximum_principal(self.stresses)

@@ -1,0 +1,115 @@
+"""Loads on the axle beside the contact forces: what a scenario says of press fits, given stresses, and torque.
+
+They are superposed on the stress (Section 6 of the paper) and have no part in the vertical dynamics.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+from ..errors import InputError
+from ..inputs.schema import check, quantity
+
+
+@dataclass(frozen=True)
+class PressFit:
+    """Interference between the axle and what is pressed onto it: diameter of the seat less that of the bore."""
+
+    wheels: float = quantity("m", 0.0, 1e-3, "the interference of the wheels", default=0.0)
+    equipment: float = quantity("m", 0.0, 1e-3, "the interference of gearbox and rings", default=0.0)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+@dataclass(frozen=True)
+class ConstantStress:
+    """Stress that is always there at a node, such as one from another calculation."""
+
+    node: str
+    xx: float = quantity("Pa", -2e9, 2e9, "the constant stress xx", default=0.0)
+    yy: float = quantity("Pa", -2e9, 2e9, "the constant stress yy", default=0.0)
+    zz: float = quantity("Pa", -2e9, 2e9, "the constant stress zz", default=0.0)
+    xy: float = quantity("Pa", -2e9, 2e9, "the constant stress xy", default=0.0)
+    xz: float = quantity("Pa", -2e9, 2e9, "the constant stress xz", default=0.0)
+    yz: float = quantity("Pa", -2e9, 2e9, "the constant stress yz", default=0.0)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+    @property
+    def components(self) -> tuple[float, ...]:
+        """xx, yy, zz, xy, xz, yz, Pa."""
+        return self.xx, self.yy, self.zz, self.xy, self.xz, self.yz
+
+
+@dataclass(frozen=True)
+class TorquePoint:
+    """Torque at a time; between two of them it changes evenly."""
+
+    time: float = quantity("s", 0.0, 1e6, "the time since the start")
+    torque: float = quantity("N m", -2e5, 2e5, "the torque at that time")
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Press fits, given stresses, and the torque of drive or brake. SI units; none of them by default."""
+
+    press_fit: PressFit = field(default_factory=PressFit)
+    stresses: tuple[ConstantStress, ...] = ()
+    torque: float = quantity("N m", -2e5, 2e5, "the torque on the wheelset", default=0.0)
+    """On all places together, about y: positive is traction, negative braking. Constant; changed during a run, the
+    torque that is approached from then on."""
+    torque_plan: tuple[TorquePoint, ...] = ()
+    """The torque over time instead: that of the first point before it, of the last one behind it."""
+    torque_rate: float = quantity("N m/s", 1.0, 1e7, "the rate at which a changed torque is approached", default=2e4)
+    torque_at: tuple[str, ...] = ("gearbox",)
+    """Where it acts, in equal parts: ``gearbox``, equipment by name, ``wheel_1``, ``wheel_2``."""
+    wheel_1_share: float = quantity("", 0.0, 1.0, "the share of the torque that rail 1 takes", default=0.5)
+
+    def __post_init__(self) -> None:
+        check(self)
+        for index, (before, after) in enumerate(pairwise(self.torque_plan)):
+            if after.time <= before.time:
+                raise InputError(
+                    f"loads.torque_plan.{index + 1}.time = {after.time:g} s is not behind the {before.time:g} s of the "
+                    "point before: give times that increase"
+                )
+        if self.torque_plan and self.torque != 0:
+            raise InputError(f"loads.torque = {self.torque:g} N m stands beside a torque_plan: give one of them")
+        if not self.torque_at:
+            raise InputError("loads.torque_at is empty: give where the torque acts, such as gearbox")
+
+    @property
+    def with_torque(self) -> bool:
+        """Whether there is a torque at any time."""
+        return self.torque != 0 or bool(self.torque_plan)
+
+    @property
+    def none(self) -> bool:
+        """Whether nothing is superposed."""
+        return not (self.with_torque or self.stresses or self.press_fit.wheels or self.press_fit.equipment)
+
+    def check_change(self, new: Loads) -> None:
+        """Raise InputError if ``new`` cannot follow during a run: torque and rate may change, a plan may end."""
+        for key in dataclasses.fields(self):
+            fixed = key.name not in ("torque", "torque_rate", "torque_plan")
+            if fixed and getattr(new, key.name) != getattr(self, key.name):
+                raise InputError(f"loads.{key.name} cannot change during a run: start a new one with the new value")
+        if new.torque_plan not in ((), self.torque_plan):
+            raise InputError(
+                "loads.torque_plan cannot change during a run: give torque, which ends the plan, or start a new run"
+            )
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Plain mapping for files."""
+        plain = dataclasses.asdict(self)
+        plain["stresses"] = [dataclasses.asdict(item) for item in self.stresses]
+        plain["torque_plan"] = [dataclasses.asdict(point) for point in self.torque_plan]
+        return plain | {"torque_at": [*self.torque_at]}

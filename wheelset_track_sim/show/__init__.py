@@ -1,5 +1,0 @@
-"""Pictures of what a scenario describes, before anything is run: surfaces, profiles, supports, the wheelset."""
-
-from .picture import show_scenario
-
-__all__ = ["show_scenario"]

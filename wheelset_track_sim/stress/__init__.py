@@ -1,1 +1,0 @@
-"""Axle stresses: six components and principal stresses."""

@@ -1,1 +1,0 @@
-"""Wheelset and track: geometry, finite elements, modes, receptances and reduced models."""

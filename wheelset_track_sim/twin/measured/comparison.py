@@ -1,0 +1,177 @@
+"""A measurement on the axis of a simulation, and how well the two agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...inputs.schema import Quantity, check, quantity, unknown
+from ...samples.block import SampleBlock
+from ...wheelset.reduced import COMPONENTS
+from .alignment import Lag, align
+from .impacts import Pair, paired
+from .measurement import UNITS, Axis, Measurement
+from .measures import Measures, measures
+from .resampling import evenly
+
+Real = NDArray[np.float64]
+
+WHEELS = ("wheel_1", "wheel_2")
+LAG = Quantity("", -1e9, 1e9, "the lag about, in s or m")
+SEPARATION = 0.1
+"""Distance without a force above the threshold that ends an impact, m."""
+
+
+@dataclass(frozen=True)
+class Matching:
+    """How a measurement is put beside a simulation."""
+
+    lag: float | None = None
+    """Where the measurement's zero lies on the simulation's axis, s or m, about; None if it may lie anywhere."""
+    reach: float = quantity("", 0.0, 1e6, "how far from the given lag the best one may lie, in s or m,", default=0.02)
+    threshold: float = quantity("N", 1e3, 5e6, "the contact force that makes an impact", default=200e3)
+
+    def __post_init__(self) -> None:
+        check(self)
+        refusal = None if self.lag is None else LAG.refusal("lag", self.lag)
+        if refusal:
+            raise InputError(refusal)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Both on one axis, with one sampling rate and in one band: those of the slower of the two."""
+
+    source: Path
+    axis: Axis
+    at: Real
+    """(n,) on the simulation's axis, s or m."""
+    names: tuple[str, ...]
+    measured: Real
+    """(n, signals), N or Pa."""
+    simulated: Real
+    """(n, signals), N or Pa."""
+    lag: float
+    """Where the measurement's zero lies on the simulation's axis, s or m."""
+    quality: Lag
+    """The same in steps, with how sure it is."""
+    step: float
+    """From sample to sample, s or m."""
+    left_out: tuple[str, ...]
+    """Signals that were measured and are not in the simulation."""
+    measures: tuple[Measures, ...]
+    """Of each signal."""
+    impacts: tuple[Pair, ...]
+
+    @property
+    def unit(self) -> str:
+        """Of the axis."""
+        return UNITS[self.axis]
+
+    @property
+    def uncertainty(self) -> float:
+        """Standard deviation of the lag, s or m."""
+        return self.quality.uncertainty * self.step
+
+
+def compare(blocks: Iterable[SampleBlock], measurement: Measurement, matching: Matching | None = None) -> Comparison:
+    """Put a measurement beside a simulation and compare them where both are.
+
+    Raises InputError if they have no signal in common, if one of them has gaps, or if it cannot be told where the
+    measurement lies on the axis.
+    """
+    matching = matching or Matching()
+    names, at, signals = simulated_signals(blocks, measurement)
+    speed = (at[-1, 1] - at[0, 1]) / (at[-1, 0] - at[0, 0])
+    axis = at[:, 0 if measurement.axis == "time" else 1]
+    ours = Measurement(Path("the simulation"), measurement.axis, axis, dict(zip(names, signals.T, strict=True)))
+    theirs = Measurement(
+        measurement.source, measurement.axis, measurement.at, {name: measurement.signals[name] for name in names}
+    )
+    simulation = evenly(ours, widest=math.inf)  # no step is missing: one that is wide is run slowly
+    record = evenly(theirs)
+    step = max(simulation.step, record.step)
+    grid, record_grid = (np.arange(of.count(step), dtype=np.float64) * step for of in (simulation, record))
+    simulated = simulation.at(grid, step)
+    within = (-math.inf, math.inf)
+    if matching.lag is not None:
+        middle = (matching.lag + record.start - simulation.start) / step
+        within = middle - matching.reach / step, middle + matching.reach / step
+
+    def lag_of(steps: float) -> float:
+        return simulation.start - record.start + steps * step
+
+    found = align(
+        simulated, record.at(record_grid, step), within, lambda steps: f"{lag_of(steps):.4f} {UNITS[measurement.axis]}"
+    )
+    first, end = max(0, math.ceil(found.steps)), min(len(grid), math.floor(found.steps + len(record_grid) - 1) + 1)
+    simulated, measured = simulated[first:end], record.at(grid[first:end] - found.steps * step, step)
+    axis = simulation.start + grid[first:end]
+    separation = SEPARATION if measurement.axis == "position" else SEPARATION / float(speed)
+    forces = [column for column, name in enumerate(names) if name in WHEELS]
+    return Comparison(
+        source=measurement.source,
+        axis=measurement.axis,
+        at=axis,
+        names=names,
+        measured=measured,
+        simulated=simulated,
+        lag=lag_of(found.steps),
+        quality=found,
+        step=step,
+        left_out=tuple(name for name in measurement.signals if name not in names),
+        measures=tuple(measures(theirs, ours) for ours, theirs in zip(simulated.T, measured.T, strict=True)),
+        impacts=tuple(
+            pair
+            for column in forces
+            for pair in paired(
+                names[column], axis, measured[:, column], simulated[:, column], matching.threshold, separation
+            )
+        ),
+    )
+
+
+def simulated_signals(blocks: Iterable[SampleBlock], measurement: Measurement) -> tuple[tuple[str, ...], Real, Real]:
+    """Names that a simulation and a measurement share, time and position (n, 2) of each step, signals (n, shared)."""
+    names: tuple[str, ...] | None = None
+    at, signals = [], []
+    end = 0
+    for block in blocks:
+        if names is None:
+            names = _shared(measurement, block.nodes)
+        elif block.first_step != end:
+            raise InputError(
+                f"the simulation has a gap: after step {end - 1} comes step {block.first_step}, give one part of it"
+            )
+        end = block.first_step + len(block)
+        rows = np.arange(len(block)) * block.step_period
+        at.append(np.stack([block.time + rows, block.position + rows * block.speed], axis=-1))
+        signals.append(np.stack([signal_of(block, name) for name in names], axis=-1))
+    if names is None:
+        raise InputError("the simulation has no samples: give a bag of a run")
+    return names, np.concatenate(at), np.concatenate(signals)
+
+
+def signal_of(block: SampleBlock, name: str) -> Real:
+    """A signal of a block by its name, (n,)."""
+    if name in WHEELS:
+        return block.forces[:, WHEELS.index(name)]
+    node, _, component = name.rpartition("_")
+    if node in block.nodes and component in COMPONENTS:
+        return block.stresses[:, block.nodes.index(node), COMPONENTS.index(component)]
+    return block.max_principal[:, block.nodes.index(name)]
+
+
+def _shared(measurement: Measurement, nodes: Sequence[str]) -> tuple[str, ...]:
+    known = [*WHEELS, *nodes, *(f"{node}_{component}" for node in nodes for component in COMPONENTS)]
+    found = tuple(name for name in measurement.signals if name in known)
+    if not found:
+        name = next(iter(measurement.signals))
+        raise InputError(unknown("signal of the simulation", f"{measurement.source}: {name!r}", name, known))
+    return found

@@ -1,0 +1,1 @@
+"""The wheelset: geometry, finite elements, reduced model, stress nodes."""

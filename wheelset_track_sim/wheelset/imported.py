@@ -1,0 +1,211 @@
+"""A wheelset's modes and stresses from another finite-element program: what the file holds, and its reduced model.
+
+``docs/wheelsets.md`` describes the format. Shapes have one normalisation: with the modal mass m and the shape phi at
+the contacts, ``m (q'' + 2 zeta omega q' + omega^2 q) = phi . F``, the wheels lift by ``phi q``, and stress is modal
+stress times q. The suspension's dashpots are given by the lift at them: they couple the modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..inputs.schema import Quantity, check, quantity
+from .reduced import ReducedWheelset
+from .reduction import diagonalised
+from .static_loads import nominal_torsion
+from .stress_node import NAME, check_names
+
+Real = NDArray[np.float64]
+Numbers = tuple[float, ...]
+Rows = tuple[Numbers, ...]
+
+FREQUENCY = Quantity("Hz", 0.1, 1e5, "the natural frequency of the wheelset on its suspension")
+DAMPING = Quantity("", 1e-7, 5.0, "the damping ratio")
+MASS = Quantity("kg", 1e-12, 1e12, "the modal mass")
+DIAMETER = Quantity("m", 0.05, 0.4, "the axle's diameter at the node")
+IN_COMMON = 5.0
+"""Factor between the stress of all modes and the static stress, at which units or normalisation are not the same."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """P modes; frequencies and damping ratios, or poles."""
+
+    lift: Rows
+    """(P, 2) at the contact points of wheel 1 and 2, positive upwards."""
+    frequencies: Numbers = ()
+    """(P,) Hz, undamped."""
+    damping_ratios: Numbers = ()
+    """(P,), without what ``suspension_damping`` adds."""
+    poles: Rows = ()
+    """(P, 2) instead of both: real and imaginary part of the upper one of each pair, rad/s."""
+    modal_masses: Numbers = ()
+    """(P,) kg, or kg times the square of the shapes' unit; 1 if not given."""
+    suspension: Rows = ()
+    """(P, 2) lift at the suspension next to wheel 1 and 2."""
+
+
+@dataclass(frozen=True)
+class ImportedNode:
+    """A stress node with its stresses: components xx, yy, zz, xy, xz, yz."""
+
+    name: str
+    position: Numbers
+    """x, y, z from the middle of the axle, m."""
+    modal: Rows
+    """(P, 6) Pa for a unit of each mode."""
+    static: Rows
+    """(2, 6) Pa/N: by 1 N upwards on wheel 1, and on wheel 2."""
+    diameter: float | None = None
+    """Of the axle there, m: torque needs it."""
+
+    def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name):
+            raise InputError(f"stress node {self.name!r} cannot name a topic: give letters, digits, single underscores")
+        if self.diameter is not None and (refusal := DIAMETER.refusal(f"{self.name}.diameter", self.diameter)):
+            raise InputError(refusal)
+
+
+@dataclass(frozen=True)
+class TorquePlace:
+    """A part at which a torque can act."""
+
+    name: str
+    y: float = quantity("m", -2.0, 2.0, "the y of the part")
+
+
+@dataclass(frozen=True)
+class ImportedWheelset:
+    """Content of the file; SI units, y positive to the left, wheel 1 on the right."""
+
+    imported: int
+    """Version of the format: 1."""
+    name: str
+    modes: Modes
+    rolling_radius: float = quantity("m", 0.15, 0.75, "the radius of the tread")
+    mass: float = quantity("kg", 100.0, 1e4, "the mass with axle boxes")
+    contacts: Numbers = (-0.75, 0.75)
+    """y of the contact points of wheel 1 and 2, m."""
+    stress_nodes: tuple[ImportedNode, ...] = ()
+    suspension_damping: float = quantity("N s/m", 0.0, 1e6, "the damping of one primary suspension", default=0.0)
+    static_lift: Rows = ()
+    """(2, 2) m/N: lift of wheel 1, 2 (rows) by 1 N on wheel 1, 2, if the residual compliance is wanted."""
+    torque_places: tuple[TorquePlace, ...] = ()
+
+    def __post_init__(self) -> None:
+        check(self)
+        if self.imported != 1:
+            raise InputError(f"imported = {self.imported} is not a known version of the format: give 1")
+        modes, found = self.modes, len(self.modes.lift)
+        if not found:
+            raise InputError("modes.lift is empty: give at least one mode")
+        if bool(modes.poles) == bool(modes.frequencies and modes.damping_ratios):
+            raise InputError("modes needs one of poles and frequencies with damping_ratios: give one of them")
+        _shape("contacts", self.contacts, 2)
+        for name, columns in (("lift", 2), ("suspension", 2), ("poles", 2)):
+            _shape(f"modes.{name}", getattr(modes, name), found, columns, optional=name != "lift")
+        for name, what in (("frequencies", FREQUENCY), ("damping_ratios", DAMPING), ("modal_masses", MASS)):
+            values = getattr(modes, name)
+            _shape(f"modes.{name}", values, found, optional=True)
+            _check_each(what, f"modes.{name}", values)
+        for index, (real, imaginary) in enumerate(modes.poles):
+            _check_each(FREQUENCY, f"modes.poles.{index} (frequency)", [hypot(real, imaginary) / (2 * pi)])
+            _check_each(DAMPING, f"modes.poles.{index} (damping ratio)", [-real / hypot(real, imaginary)])
+        if self.suspension_damping and not modes.suspension:
+            raise InputError("suspension_damping needs the modes' lift there: give modes.suspension")
+        _shape("static_lift", self.static_lift, 2, 2, optional=True)
+        check_names([node.name for node in self.stress_nodes])
+        for node in self.stress_nodes:
+            _shape(f"stress_nodes.{node.name}.position", node.position, 3)
+            _shape(f"stress_nodes.{node.name}.modal", node.modal, found, 6)
+            _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
+
+    @property
+    def rolling_circles(self) -> tuple[float, float]:
+        """Of wheels 1 and 2: y, m."""
+        return self.contacts[0], self.contacts[1]
+
+    @property
+    def places(self) -> dict[str, float]:
+        """Y of the parts at which a torque can act, m."""
+        wheel_1, wheel_2 = self.contacts
+        return {place.name: place.y for place in self.torque_places} | {"wheel_1": wheel_1, "wheel_2": wheel_2}
+
+    def reduced(self) -> ReducedWheelset:
+        """Its reduced model; raises InputError where modes and static stresses have no unit in common."""
+        modes = self.modes
+        if modes.poles:
+            real, imaginary = np.array(modes.poles).T
+            omega = np.hypot(real, imaginary)
+            ratios = -real / omega
+        else:
+            omega, ratios = 2 * np.pi * np.array(modes.frequencies), np.array(modes.damping_ratios)
+        norm = np.sqrt(modes.modal_masses or np.ones(len(omega)))[:, np.newaxis]
+        lift = np.array(modes.lift) / norm
+        damping = np.diag(2 * ratios * omega)
+        if modes.suspension:
+            boxes = np.array(modes.suspension) / norm
+            damping += self.suspension_damping * boxes @ boxes.T
+        poles, left, right = diagonalised(omega, damping)
+        order = np.argsort(np.abs(poles), kind="stable")
+        poles, left, right = poles[order], left[order], right[:, order]
+        nodes = len(self.stress_nodes)
+        modal = np.array([np.array(node.modal) / norm for node in self.stress_nodes]).reshape(nodes, len(omega), 6)
+        static = np.array([np.transpose(node.static) for node in self.stress_nodes]).reshape(nodes, 6, 2)
+        of_modes = np.einsum("npc,pw->ncw", modal, lift / omega[:, np.newaxis] ** 2)
+        self._check_units(of_modes, static)
+        compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
+        return ReducedWheelset(
+            poles=poles,
+            inputs=left @ lift,
+            outputs=lift.T @ right,
+            stress_outputs=modal.transpose(0, 2, 1) @ right,
+            stress_feedthrough=static - of_modes,
+            displacement_residual=np.array(self.static_lift) - compliance if self.static_lift else np.zeros((2, 2)),
+            node_names=tuple(node.name for node in self.stress_nodes),
+            node_positions=np.array([node.position for node in self.stress_nodes]).reshape(nodes, 3),
+            mass=self.mass,
+            rolling_radius=self.rolling_radius,
+        )
+
+    def torsion(self, moments: Mapping[str, float]) -> Real:
+        """Stress (N, 6), Pa, under moments about y, N m, by part: that of plain shafts. Raises InputError."""
+        diameters = []
+        for node in self.stress_nodes:
+            if node.diameter is None:
+                raise InputError(f"stress_nodes.{node.name}.diameter is missing: torque needs the axle's there, m")
+            diameters.append(node.diameter)
+        positions = np.array([node.position for node in self.stress_nodes]).reshape(-1, 3)
+        return nominal_torsion(positions, diameters, self.places, moments)
+
+    def _check_units(self, of_modes: Real, static: Real) -> None:
+        for node, own, whole in zip(self.stress_nodes, of_modes.sum(axis=2), static.sum(axis=2), strict=True):
+            modal, given = float(np.linalg.norm(own)), float(np.linalg.norm(whole))
+            if not given / IN_COMMON <= modal <= given * IN_COMMON:
+                raise InputError(
+                    f"stress_nodes.{node.name}: the modes make {modal:.3g} Pa/N, static says {given:.3g} Pa/N: give "
+                    "both in Pa and N, and lift and modal stress with the normalisation of modal_masses"
+                )
+
+
+def _shape(where: str, values: Numbers | Rows, rows: int, columns: int = 0, *, optional: bool = False) -> None:
+    if optional and not values:
+        return
+    if len(values) != rows:
+        raise InputError(f"{where} has {len(values)} entries: give {rows}")
+    for index, row in enumerate(values):
+        if columns and len(row) != columns:  # type: ignore[arg-type]
+            raise InputError(f"{where}.{index} has {len(row)} entries: give {columns}")  # type: ignore[arg-type]
+
+
+def _check_each(what: Quantity, where: str, values: Numbers | list[float]) -> None:
+    for index, value in enumerate(values):
+        refusal = what.refusal(f"{where}.{index}" if isinstance(values, tuple) else where, value)
+        if refusal:
+            raise InputError(refusal)

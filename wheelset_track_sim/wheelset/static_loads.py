@@ -1,0 +1,140 @@
+"""Stress of press fits and of torque at places on the axle, by the axisymmetric finite elements (n = 0).
+
+Press fit: hub and axle of one material press with Lamé's pressure; the axle alone, with that pressure evenly on its
+seat, answers for the stress beside it. The edge of a real hub presses more than its middle, and friction holds it back
+along the axle: both are left out, and matter within a few millimetres of the edge.
+
+Torque: it enters evenly around gearbox, ring or wheel, both rails react at the treads, and the wheelset is in
+equilibrium: quasi-static torsion, with the notch factor of each fillet. Twisting vibrations are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from ..errors import InputError
+from ..inputs.schema import unknown
+from .harmonic_elements import free_unknowns, nodal_stress, stiffness_and_mass
+from .harmonics import on_surface
+from .mesh import axle_mesh, wheelset_mesh
+from .section_mesh import SectionMesh
+from .stress_points import in_axes, on_axle
+from .wheelset import Wheelset
+
+Real = NDArray[np.float64]
+
+
+def lame_pressure(youngs_modulus: float, interference: float, radius: float, outer_radius: float) -> float:
+    """Pressure, Pa, between a solid shaft and a hub of one material; ``interference`` is that of the diameters, m.
+
+    G. Lamé: ``p = E interference / (4 radius) (1 - (radius / outer_radius)^2)``.
+    """
+    return youngs_modulus * interference / (4 * radius) * (1 - (radius / outer_radius) ** 2)
+
+
+def press_fit_stress(wheelset: Wheelset, positions: Real, wheels: float, equipment: float) -> Real:
+    """Stress (N, 6), Pa, at places (N, 3) on the axle under the interference of wheels, and of gearbox and rings, m."""
+    mesh = axle_mesh(wheelset)
+    outer = {f"the hub of wheel {wheel}": (wheelset.wheel.hub_radius, wheels) for wheel in (1, 2)}
+    if wheelset.gearbox:
+        outer["gearbox"] = wheelset.gearbox.outer_radius, equipment
+    outer |= {ring.name: (ring.outer_radius, equipment) for ring in wheelset.rings}
+    force = np.zeros(3 * len(mesh.points))
+    for what, low, high in wheelset.attached:
+        radius = wheelset.axle.section_over(low, high, what).diameter / 2
+        outer_radius, interference = outer[what]
+        pressure = lame_pressure(wheelset.material.youngs_modulus, interference, radius, outer_radius)
+        nodes, weights = on_surface(mesh, radius, low, high)
+        np.add.at(force, 3 * nodes, -pressure * 2 * np.pi * radius * (high - low) * weights)
+    free = free_unknowns(mesh, 0)
+    return _stress(wheelset, mesh, free, force, positions)
+
+
+def torsion_stress(wheelset: Wheelset, positions: Real, moments: Mapping[str, float]) -> Real:
+    """Stress (N, 6), Pa, at places (N, 3) on the axle under moments about y, N m, by part; together they are zero.
+
+    Parts are ``gearbox``, equipment by name, ``wheel_1`` and ``wheel_2``, whose moments act at the tread. Raises
+    InputError for a part that the wheelset does not have.
+    """
+    mesh = wheelset_mesh(wheelset)
+    force = np.zeros(3 * len(mesh.points))
+    for part, moment in moments.items():
+        radius, low, high = _grip(wheelset, part)
+        nodes, weights = on_surface(mesh, radius, low, high)
+        # u_theta turns about -y: at the bottom it points forwards.
+        np.add.at(force, 3 * nodes + 2, -moment / radius * weights)
+    twisting = np.flatnonzero(mesh.points[:, 1] > 0.0)
+    size = 3 * len(mesh.points)
+    free = sp.coo_array((np.ones(len(twisting)), (3 * twisting + 2, np.arange(len(twisting)))), (size, len(twisting)))
+    return _stress(wheelset, mesh, free.tocsc(), force, positions)
+
+
+def nominal_torsion(
+    positions: Real, diameters: Sequence[float], places: Mapping[str, float], moments: Mapping[str, float]
+) -> Real:
+    """Stress (N, 6), Pa, at places (N, 3) on a shaft under moments about y at ``places`` (y, m): tau = 16 T / (pi d^3).
+
+    T is the moment that the part at larger y exerts on the part at smaller y, about y.
+    """
+    x, y, z = positions.T
+    twist = -sum(moment * (places[part] < y) for part, moment in moments.items())
+    tau = 16 * twist / (np.pi * np.asarray(diameters, dtype=np.float64) ** 3)
+    angle = np.arctan2(x, z)
+    stress = np.zeros((len(positions), 6))
+    stress[:, 3], stress[:, 5] = tau * np.cos(angle), -tau * np.sin(angle)
+    return stress
+
+
+def reacted(torque_at: Sequence[str], wheel_1_share: float) -> dict[str, float]:
+    """Moments about y, N m, by part, of a torque of 1 N m in equal parts, and of both rails that react to it."""
+    moments = dict.fromkeys(("wheel_1", "wheel_2", *torque_at), 0.0)
+    for part in torque_at:
+        moments[part] += 1.0 / len(torque_at)
+    moments["wheel_1"] -= wheel_1_share
+    moments["wheel_2"] -= 1.0 - wheel_1_share
+    return moments
+
+
+def check_parts(torque_at: Sequence[str], known: Sequence[str]) -> None:
+    """Raise InputError for a part at which no torque can act."""
+    for index, part in enumerate(torque_at):
+        if part not in known:
+            where = f"loads.torque_at.{index} = {part!r}"
+            raise InputError(unknown("part of this wheelset that takes a torque", where, part, known))
+
+
+def parts_of(wheelset: Wheelset) -> list[str]:
+    """Parts at which a torque can act."""
+    gearbox = ["gearbox"] if wheelset.gearbox else []
+    return [*gearbox, *(item.name for item in wheelset.equipment), "wheel_1", "wheel_2"]
+
+
+def _grip(wheelset: Wheelset, part: str) -> tuple[float, float, float]:
+    """Radius, first and last y, m, of the surface on which a moment acts on a part."""
+    if part in ("wheel_1", "wheel_2"):
+        y = wheelset.contact_positions[part == "wheel_2"]
+        return wheelset.wheel.rolling_radius, y, y
+    if part == "gearbox" and wheelset.gearbox:
+        return wheelset.gearbox.outer_radius, *wheelset.gearbox_ends
+    item = next(item for item in wheelset.equipment if item.name == part)
+    radius = getattr(item, "outer_radius", None) or wheelset.axle.section_over(*item.ends, part).diameter / 2
+    return radius, *item.ends
+
+
+def _stress(wheelset: Wheelset, mesh: SectionMesh, free: sp.csc_array, force: Real, positions: Real) -> Real:
+    """Stress (N, 6) at places (N, 3) under forces (all unknowns,) in equilibrium, held where nothing holds them."""
+    whole, _ = stiffness_and_mass(mesh, wheelset.material, 0)
+    stiffness = (free.T @ whole @ free).tocsc()
+    hold = sp.coo_array(([stiffness.diagonal().max()], ([0], [0])), shape=stiffness.shape)
+    displacements = free @ splu((stiffness + hold).tocsc()).solve(free.T @ force)
+    found = np.zeros((len(positions), 6))
+    for place, (x, y, z) in enumerate(positions):
+        nodes, weights = on_axle(wheelset, mesh, y)
+        amplitudes = (nodal_stress(mesh, wheelset.material, 0, nodes) @ displacements).reshape(-1, 6)
+        found[place] = in_axes(float(np.arctan2(x, z)), 1.0, 1.0) @ (weights @ amplitudes)
+    return found
