@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from conftest import Measure, group
-from wheelset_track_sim.cli.run import CHUNK, run
 
+from wheelset_track_sim.cli.run import CHUNK, run
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.scenario.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models

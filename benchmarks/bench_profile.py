@@ -9,8 +9,8 @@ import numpy as np
 import profile_kernels
 import pytest
 from conftest import Measure, group
-from wheelset_track_sim.cli.run import CHUNK
 
+from wheelset_track_sim.cli.run import CHUNK
 from wheelset_track_sim.contact.solutions import approach_for_force
 from wheelset_track_sim.runtime.one_core import one_core
 from wheelset_track_sim.samples.principal import maximum_principal

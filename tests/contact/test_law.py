@@ -293,16 +293,16 @@ def test_tables_are_cached_and_progress_is_told(tmp_path, monkeypatch, caplog):
     monkeypatch.setenv("WHEELSET_TRACK_SIM_CACHE", str(tmp_path))
     told = []
     defect = Breakout("wheel_2", 0.01, 0.008, 0.0003)
-    first = build_contact_law([defect], GEOMETRY, DX, N_C, progress=told.append)
+    first = build_contact_law([defect], GEOMETRY, DX, N_C, progress=lambda stage, share: told.append(share))
     assert told == sorted(told)
     assert told[-1] == 1.0
     told.clear()
-    second = build_contact_law([defect], GEOMETRY, DX, N_C, progress=told.append)
+    second = build_contact_law([defect], GEOMETRY, DX, N_C, progress=lambda stage, share: told.append(share))
     assert not told
     assert_same(first, second)
     stored = next(cache.folder().glob("force-tables-*.npz"))
     stored.write_bytes(b"damaged")
-    third = build_contact_law([defect], GEOMETRY, DX, N_C, progress=told.append)
+    third = build_contact_law([defect], GEOMETRY, DX, N_C, progress=lambda stage, share: told.append(share))
     assert told[-1] == 1.0
     assert "built again" in caplog.text
     np.testing.assert_array_equal(third.points, first.points)

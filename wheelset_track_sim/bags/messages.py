@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact
 from ..samples.summary import Summary, statistics, summarise
@@ -190,7 +190,7 @@ def start_of(message: Any) -> int:
     return int(stamp.sec) * 10**9 + int(stamp.nanosec) - since
 
 
-def _by_component(block: SampleBlock) -> NDArray[np.float64]:
+def _by_component(block: SampleBlock) -> Real:
     """Stresses (nodes, 6, samples)."""
     return np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
 

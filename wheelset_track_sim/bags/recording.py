@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 from ..samples.principal import maximum_principal
 from ..samples.summary import Summary, combine, summarise
@@ -38,18 +39,18 @@ class Recording:
     start_ns: int
     """Time stamp of step 0, ns since the epoch."""
     steps: NDArray[np.uint64]
-    time: NDArray[np.float64]
+    time: Real
     """Simulated time since step 0, s."""
-    position: NDArray[np.float64]
+    position: Real
     """Along the track, m."""
-    speed: NDArray[np.float64]
+    speed: Real
     """m/s"""
-    step_period: NDArray[np.float64]
+    step_period: Real
     """s"""
     revision: NDArray[np.uint32]
-    forces: NDArray[np.float64]
+    forces: Real
     """Of wheel 1 and wheel 2, (samples, 2), N, positive in compression."""
-    stresses: NDArray[np.float64]
+    stresses: Real
     """(samples, nodes, 6), Pa, components as in ``COMPONENTS``."""
     nodes: tuple[str, ...]
 
@@ -57,7 +58,7 @@ class Recording:
         return len(self.steps)
 
     @cached_property
-    def max_principal(self) -> NDArray[np.float64]:
+    def max_principal(self) -> Real:
         """Maximum principal stress, (samples, nodes), Pa."""
         return maximum_principal(self.stresses)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 
 
@@ -49,7 +50,7 @@ class Window:
         """Whether it has ended before a sample."""
         return time >= self.stop or (self.end_step is not None and step >= self.end_step)
 
-    def holds(self, steps: NDArray[np.uint64], times: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def holds(self, steps: NDArray[np.uint64], times: Real) -> NDArray[np.bool_]:
         """Which samples are in it."""
         held: NDArray[np.bool_] = (steps >= self.first_step) & (times >= self.start) & (times < self.stop)
         return held if self.end_step is None else held & (steps < self.end_step)

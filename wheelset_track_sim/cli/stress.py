@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
 from ..bags import BagWriter, RunInfo
@@ -18,6 +17,7 @@ from ..bags.bag_writer import SECOND_NS
 from ..dynamics.stress_from_forces import stresses_from_forces
 from ..errors import InputError
 from ..inputs.schema import check, quantity
+from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..twin.measured.csv_file import WHEELS, read_csv, write_csv
@@ -103,9 +103,7 @@ def _block(path: Path, speed: float | None) -> SampleBlock:
     )
 
 
-def _with(
-    block: SampleBlock, stresses: NDArray[np.float64], nodes: tuple[str, ...], part: slice = slice(None)
-) -> SampleBlock:
+def _with(block: SampleBlock, stresses: Real, nodes: tuple[str, ...], part: slice = slice(None)) -> SampleBlock:
     first = part.start or 0
     return SampleBlock(
         first_step=first,

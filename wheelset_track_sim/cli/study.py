@@ -12,8 +12,9 @@ from rich.table import Table as RichTable
 
 from ..errors import WheelsetTrackError
 from ..inputs import shipped
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario, scenario_from
-from ..studies.conduct import Place, Progress, conduct
+from ..studies.conduct import Place, conduct
 from ..studies.registry import figure
 from ..studies.results import Results
 from ..studies.study import Run, Study, load_study

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..runtime.jit import kernel
 
 CONVERGED = 0
@@ -23,7 +24,7 @@ RELATIVE_TOLERANCE = 1e-11
 
 
 @kernel
-def pair(influence: NDArray[np.float64], mirrored: bool, centre: int, i: int, j: int, I: int, J: int) -> float:  # noqa: E741
+def pair(influence: Real, mirrored: bool, centre: int, i: int, j: int, I: int, J: int) -> float:  # noqa: E741
     """Influence of unit pressure on element (I, J) at (i, j), m/Pa; with ``mirrored`` the mean with its image."""
     direct: float = influence[abs(i - I), abs(j - J)]
     if mirrored:
@@ -39,7 +40,7 @@ def at_border(nx: int, ny: int, mirrored: bool, i: int, j: int) -> bool:
 
 
 @kernel
-def cholesky(K: NDArray[np.float64]) -> bool:
+def cholesky(K: Real) -> bool:
     """Factor K = U^T U in place, upper triangle; False if K is not positive definite.
 
     Four rows at a time, so that each sweep over the rest does four updates for one load and store.
@@ -69,7 +70,7 @@ def cholesky(K: NDArray[np.float64]) -> bool:
 
 
 @kernel
-def forward(U: NDArray[np.float64], b: NDArray[np.float64]) -> None:
+def forward(U: Real, b: Real) -> None:
     """Solve U^T y = b in place."""
     for k in range(len(b)):
         b[k] /= U[k, k]
@@ -80,7 +81,7 @@ def forward(U: NDArray[np.float64], b: NDArray[np.float64]) -> None:
 
 
 @kernel
-def backward(U: NDArray[np.float64], y: NDArray[np.float64]) -> None:
+def backward(U: Real, y: Real) -> None:
     """Solve U x = y in place."""
     n = len(y)
     for k in range(n - 1, -1, -1):
@@ -94,9 +95,7 @@ def backward(U: NDArray[np.float64], y: NDArray[np.float64]) -> None:
 
 
 @kernel
-def candidates(
-    separation: NDArray[np.float64], mirrored: bool, approach: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+def candidates(separation: Real, mirrored: bool, approach: float) -> tuple[NDArray[np.int64], NDArray[np.int64], Real]:
     """Elements that can be in contact, ordered by position: indices i and j, and separation, m."""
     nx, ny = separation.shape
     first = ny // 2 if mirrored else 0
@@ -116,14 +115,14 @@ def candidates(
 
 @kernel
 def solve_active_set(
-    separation: NDArray[np.float64],
+    separation: Real,
     mirrored: bool,
-    influence: NDArray[np.float64],
+    influence: Real,
     element_area: float,
     approach: float,
     compliance: float,
     in_contact: NDArray[np.bool_],
-    pressure: NDArray[np.float64],
+    pressure: Real,
 ) -> tuple[float, float, int]:
     """Contact force, N, its derivative by the approach, N/m, and a status; no contact is zero force and stiffness.
 

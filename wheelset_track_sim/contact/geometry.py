@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity
+from ..runtime.arrays import Real
 from .influence import contact_modulus
 from .profiles import Profile, RailHead, Straight
 
@@ -45,7 +46,7 @@ class Pair:
         return max(low + self.shift, inner), min(high + self.shift, outer)
 
     @cached_property
-    def fine(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def fine(self) -> tuple[Real, Real, Real]:
         """Positions, m, heights of wheel and rail there, m."""
         low, high = self.span
         y = np.arange(np.ceil(low / FINE * (1 + 1e-12)), np.floor(high / FINE * (1 + 1e-12)) + 1) * FINE
@@ -57,12 +58,12 @@ class Pair:
         _, wheel, rail = self.fine
         return float((-wheel - rail).min())
 
-    def gap(self, y: ArrayLike) -> NDArray[np.float64]:
+    def gap(self, y: ArrayLike) -> Real:
         """Distance of the profiles that touch, m; infinite where one of them ends."""
         y = np.asarray(y, float)
         return -self.wheel.height(y - self.shift) - self.rail.height(y) - self.least
 
-    def wheel_height(self, y: ArrayLike) -> NDArray[np.float64]:
+    def wheel_height(self, y: ArrayLike) -> Real:
         """What the radius of the wheel at ``y`` is larger than on the rolling circle, m."""
         return self.wheel.height(np.asarray(y, float) - self.shift)
 
@@ -158,7 +159,7 @@ class ContactGeometry:
         """Where the rolling circle of ``wheel`` is over its rail, y from the middle of the head, m."""
         return OUTWARDS[wheel] * self.pairs[wheel].shift + 0.0
 
-    def separation(self, wheel: int, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def separation(self, wheel: int, x: ArrayLike, y: ArrayLike) -> Real:
         """z_W + z_R of Eq. (9): distance between the undeformed surfaces that touch, m.
 
         ``x`` counts from below the axle and ``y`` from the middle of the rail's head, in m; they broadcast.
@@ -167,7 +168,7 @@ class ContactGeometry:
         pair = self.pairs[wheel]
         height = pair.wheel.height(y - pair.shift)
         radius = self.wheel_radius + np.where(np.isfinite(height), height, 0.0)
-        rise: NDArray[np.float64] = x**2 / (radius + np.sqrt(radius**2 - x**2))
+        rise: Real = x**2 / (radius + np.sqrt(radius**2 - x**2))
         return rise + pair.gap(y)
 
 
@@ -175,11 +176,11 @@ class ContactGeometry:
 class Section:
     """Both profiles in the plane of the axle, touching, to be drawn."""
 
-    y: NDArray[np.float64]
+    y: Real
     """From the middle of the rail's head, positive to the left, (n,), m."""
-    wheel: NDArray[np.float64]
+    wheel: Real
     """Height of the tread over the top of the rail, (n,), m; NaN where the profile ends."""
-    rail: NDArray[np.float64]
+    rail: Real
     """Height of the rail, likewise."""
     touch: tuple[float, float]
     """Where they touch: y and height, m."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from ..runtime.arrays import Real
 
 
 def contact_modulus(youngs_modulus: float, poissons_ratio: float) -> float:
@@ -11,9 +13,7 @@ def contact_modulus(youngs_modulus: float, poissons_ratio: float) -> float:
     return youngs_modulus / (2.0 * (1.0 - poissons_ratio**2))
 
 
-def influence(
-    x: ArrayLike, y: ArrayLike, dx: float, dy: float, youngs_modulus: float, poissons_ratio: float
-) -> NDArray[np.float64]:
+def influence(x: ArrayLike, y: ArrayLike, dx: float, dy: float, youngs_modulus: float, poissons_ratio: float) -> Real:
     """Displacement difference at (x, y) due to unit pressure on the element dx x dy at the origin, m/Pa.
 
     This is A of Eq. (10): the Boussinesq solution integrated over a rectangle (A. E. H. Love, Phil. Trans. R. Soc. A
@@ -29,8 +29,6 @@ def influence(
     return total / (np.pi * contact_modulus(youngs_modulus, poissons_ratio))
 
 
-def influence_table(
-    nx: int, ny: int, dx: float, dy: float, youngs_modulus: float, poissons_ratio: float
-) -> NDArray[np.float64]:
+def influence_table(nx: int, ny: int, dx: float, dy: float, youngs_modulus: float, poissons_ratio: float) -> Real:
     """Influence coefficients by element offset |i - I| and |j - J|, (nx, ny), m/Pa."""
     return influence(np.arange(nx)[:, None] * dx, np.arange(ny) * dy, dx, dy, youngs_modulus, poissons_ratio)

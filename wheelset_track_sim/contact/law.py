@@ -12,6 +12,8 @@ from scipy.ndimage import maximum_filter1d
 from ..errors import InputError
 from ..irregularities import Irregularity, RailHeights, rail_heights, tread_heights
 from ..irregularities.surface import RAILS, WHEELS, both_rails
+from ..runtime.arrays import Real
+from ..runtime.progress import Progress
 from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
@@ -19,7 +21,7 @@ from .law_kernels import ContactLaw
 from .ordered.nested import nested_contacts, no_nested_contacts
 from .ordered.order_kernels import NestedContacts
 from .potential_area import evenly_spaced, potential_contact_area
-from .tables import Progress, force_tables
+from .tables import force_tables
 from .windows import windows
 
 ELEMENT_WIDTH = 0.75e-3
@@ -49,7 +51,7 @@ def build_contact_law(
     ``TABLE_FORCE`` are worked out beforehand, for every position on treads and rails at which an irregularity can bear;
     without them, above that force, where tread and rail both have an irregularity, and where one is rough, the active
     set is solved in every step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect
-    that is the fastest. ``progress`` is told the share done.
+    that is the fastest.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     _check(dx, dy, largest_force, rail_steps, n_c)
@@ -137,20 +139,18 @@ def _solves(table: NDArray[np.int32], rail_table: NDArray[np.int32], smooth: int
     return bool(without or ((table >= smooth).any(axis=1) & rail_table.any(axis=1)).any())
 
 
-def _nested(
-    geometry: ContactGeometry, x: NDArray[np.float64], y: NDArray[np.float64], separation: NDArray[np.float64]
-) -> tuple[NestedContacts, NestedContacts]:
+def _nested(geometry: ContactGeometry, x: Real, y: Real, separation: Real) -> tuple[NestedContacts, NestedContacts]:
     first = nested_contacts(geometry, 0, x, y, separation[0])
     alike = (separation[0] == separation[1]).all()
     return first, first if alike else nested_contacts(geometry, 1, x, y, separation[1])
 
 
-def _highest_within(top: NDArray[np.float64], nx: int) -> NDArray[np.float64]:
+def _highest_within(top: Real, nx: int) -> Real:
     """Highest within nx // 2 of each of (2, n) heights, m."""
     return np.asarray(maximum_filter1d(top, min(nx, 2 * top.shape[1] - 1), axis=1, mode="wrap"))
 
 
-def _mirrored_within(tread: NDArray[np.float64], nx: int) -> NDArray[np.bool_]:
+def _mirrored_within(tread: Real, nx: int) -> NDArray[np.bool_]:
     """Whether all rows within nx // 2 of each row are symmetric about the middle, (2, n_c)."""
     skew = (tread != tread[:, :, ::-1]).any(axis=2)
     near: NDArray[np.bool_] = np.zeros_like(skew)

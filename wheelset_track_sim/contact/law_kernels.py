@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..runtime.jit import inner_kernel, kernel
 from .active_set_kernels import solve_active_set
 from .ordered.nested_kernels import solve_in_order
@@ -21,23 +22,23 @@ from .ordered.order_kernels import FAR, NestedContacts, gaps_in_order
 class ContactLaw(NamedTuple):
     """Both contacts, as plain arrays for compiled code; made by ``build_contact_law``."""
 
-    tread: NDArray[np.float64]
+    tread: Real
     """Heights of the treads, (2, n_c, ny), m, negative where material is missing."""
     rail_row: NDArray[np.int32]
     """Row of ``rail`` at each rail position, (2, n_r); 0 where the rail is smooth."""
-    rail: NDArray[np.float64]
+    rail: Real
     """Heights across the rails, (rows, ny), m; the first row is zero."""
     tread_mirrored: NDArray[np.bool_]
     """Whether tread and nominal surfaces within the area are symmetric about its middle, (2, n_c)."""
     rail_mirrored: NDArray[np.bool_]
     """Whether the rail is symmetric about the middle of the area, (2,)."""
-    x: NDArray[np.float64]
+    x: Real
     """Longitudinal positions of the elements, (nx,), m."""
-    y: NDArray[np.float64]
+    y: Real
     """Lateral positions of the elements, from the middle of each rail's head, (2, ny), m."""
-    separation: NDArray[np.float64]
+    separation: Real
     """Separation of the nominal surfaces, (2, nx, ny), m."""
-    influence: NDArray[np.float64]
+    influence: Real
     """Influence coefficients by element offset, (nx, ny), m/Pa."""
     element_area: float
     """dx dy, m^2."""
@@ -49,11 +50,11 @@ class ContactLaw(NamedTuple):
     """Force table of each rail position under a smooth tread, (2, n_r); 0 is a smooth rail, -1 to solve."""
     first_point: NDArray[np.int64]
     """Where each force table starts in ``points``, and where the last ends, (tables + 1,)."""
-    points: NDArray[np.float64]
+    points: Real
     """Kinks of the force-approach curves, (points, 2): m, N."""
-    tread_top: NDArray[np.float64]
+    tread_top: Real
     """Highest of the tread within the area, (2, n_c), m."""
-    rail_top: NDArray[np.float64]
+    rail_top: Real
     """Highest of the rail within the area, (2, n_r), m."""
     nested: tuple[NestedContacts, NestedContacts]
     """What solves contacts of each wheel that are nearly those of smooth surfaces."""
@@ -62,7 +63,7 @@ class ContactLaw(NamedTuple):
 
 
 @kernel
-def total_separation(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> NDArray[np.float64]:
+def total_separation(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> Real:
     """z_R + z_W + r_R + r_W of Eq. (12), (nx, ny), m; r is minus the height: missing material widens the gap."""
     nx, ny = law.separation.shape[1:]
     n_c, n_r = law.tread.shape[1], law.rail_row.shape[1]
@@ -84,7 +85,7 @@ def solve_nested(
     approach: float,
     compliance: float,
     in_contact: NDArray[np.bool_],
-    pressure: NDArray[np.float64],
+    pressure: Real,
 ) -> tuple[float, float, int]:
     """``solve_contact`` by ``solve_in_order``; with a status of FAR, that is not for it and nothing has changed."""
     nested, tread, rows = law.nested[wheel], law.tread[wheel], law.rail_row[wheel]
@@ -125,7 +126,7 @@ def solve_contact(
     approach: float,
     compliance: float,
     in_contact: NDArray[np.bool_],
-    pressure: NDArray[np.float64],
+    pressure: Real,
 ) -> tuple[float, float, int]:
     """Force, N, stiffness, N/m, and status of ``solve_active_set`` at a position of tread and rail.
 
@@ -142,7 +143,7 @@ def solve_contact(
 
 
 @inner_kernel
-def table_force(points: NDArray[np.float64], first: int, end: int, approach: float, compliance: float) -> float:
+def table_force(points: Real, first: int, end: int, approach: float, compliance: float) -> float:
     """Force, N, from the kinks ``points[first:end]`` at an approach, m, of which ``compliance`` times force is lost.
 
     F = f(approach - c0 F) has one solution, on the segment where approach - c0 F falls; NaN beyond the last kink.
@@ -210,7 +211,7 @@ def contact_force(
 @kernel
 def contact_pressure(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
-) -> NDArray[np.float64]:
+) -> Real:
     """Contact pressure, (nx, ny), Pa; NaN if it cannot be solved. Leaves the state of ``law`` as it is."""
     pressure = np.empty(law.separation.shape[1:])
     guess = np.zeros(law.separation.shape[1:], np.bool_)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..runtime.jit import kernel
 from .active_set_kernels import at_border, pair
 
@@ -17,7 +18,7 @@ BLOCK = 64
 
 
 @kernel
-def enlarged(array: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
+def enlarged(array: Real, rows: int, columns: int) -> Real:
     """Copy of an array in the corner of a larger one."""
     larger = np.zeros((rows, columns))
     for i in range(array.shape[0]):  # assigning a slice takes seconds to compile
@@ -30,13 +31,13 @@ def enlarged(array: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.
 def follow_path(
     at_i: NDArray[np.int64],
     at_j: NDArray[np.int64],
-    gap: NDArray[np.float64],
+    gap: Real,
     shape: tuple[int, int],
     mirrored: bool,
-    influence: NDArray[np.float64],
+    influence: Real,
     element_area: float,
     largest_force: float,
-) -> NDArray[np.float64]:
+) -> Real:
     """Kinks of the force-approach curve as in ``tables.force_path``.
 
     ``gap``, m, rises: the separation of the elements at ``at_i``, ``at_j`` of an area of a ``shape``; with

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from ..errors import InputError
 from ..irregularities import RailHeights
 from ..irregularities.surface import WHEELS
+from ..runtime.arrays import Real
 from .geometry import ContactGeometry
 
 
@@ -19,9 +19,9 @@ def potential_contact_area(
     dx: float,
     dy: float,
     smooth_reach: float,
-    treads: Sequence[NDArray[np.float64]],
+    treads: Sequence[Real],
     rails: Sequence[RailHeights],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Real, Real]:
     """Elements x and y of the potential contact area, m.
 
     Where all heights within the area lie between ``low`` and ``high``, a force needs at most the approach of a smooth
@@ -40,15 +40,13 @@ def potential_contact_area(
     return x, y
 
 
-def _difference_within(high: NDArray[np.float64], low: NDArray[np.float64], nx: int) -> float:
+def _difference_within(high: Real, low: Real, nx: int) -> float:
     """Largest difference, m, of the highest and the lowest within nx steps of a surface, both (steps,), m."""
     nx = min(nx, len(high))
     return float((maximum_filter1d(high, nx, mode="wrap") - minimum_filter1d(low, nx, mode="wrap")).max())
 
 
-def contact_grid(
-    geometry: ContactGeometry, dx: float, dy: float, reach: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def contact_grid(geometry: ContactGeometry, dx: float, dy: float, reach: float) -> tuple[Real, Real]:
     """Positions x and y of the elements whose nominal separation is below ``reach``, m, and of one row more around.
 
     They count from where wheel and rail touch. With half-spaces the contact lies where the undeformed bodies would
@@ -71,6 +69,6 @@ def contact_grid(
     return evenly_spaced(half_x, dx), evenly_spaced(half_y, dy)
 
 
-def evenly_spaced(half: int, step: float) -> NDArray[np.float64]:
+def evenly_spaced(half: int, step: float) -> Real:
     """Positions from -half to half steps, (2 half + 1,)."""
     return np.arange(-half, half + 1, dtype=np.float64) * step

@@ -12,10 +12,11 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from ..errors import InputError
+from ..runtime.arrays import Real
 
 FEWEST, MOST = 20, 5000
 """Points of a profile."""
@@ -40,7 +41,7 @@ class Profile(Protocol):
         """Whether the body goes on, unknown, where the span ends."""
         ...
 
-    def height(self, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, y: ArrayLike) -> Real:
         """Height at ``y``, m; minus infinity outside the span."""
         ...
 
@@ -62,7 +63,7 @@ class Straight:
         """None."""
         return False, False
 
-    def height(self, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, y: ArrayLike) -> Real:
         """Height at ``y``, m."""
         return -self.slope * np.asarray(y, float)
 
@@ -101,11 +102,11 @@ class RailHead:
         """None: the sides of the head follow."""
         return False, False
 
-    def height(self, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, y: ArrayLike) -> Real:
         """Height over the top at ``y``, m."""
         return -self.drop(y)
 
-    def drop(self, y: ArrayLike) -> NDArray[np.float64]:
+    def drop(self, y: ArrayLike) -> Real:
         """Depth of the crown below its top at ``y``, m; infinite beside the head, where there is no running surface."""
         distance = np.abs(np.asarray(y, float))
         drop = np.full(distance.shape, np.inf)
@@ -134,9 +135,9 @@ class Points:
     gauge corner, is joined by straight lines.
     """
 
-    y: NDArray[np.float64]
+    y: Real
     """Rising, (n,), m."""
-    z: NDArray[np.float64]
+    z: Real
     """Heights, (n,), m."""
     noisy: bool = True
     """False for points that are exact: all are met, by a spline all along."""
@@ -195,7 +196,7 @@ class Points:
         y, z = 1e3 * self.y[part], 1e3 * self.z[part]  # in mm, in which neither is far from 1
         return make_smoothing_spline(y, z) if self.noisy else make_interp_spline(y, z, k=3)
 
-    def height(self, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, y: ArrayLike) -> Real:
         """Height at ``y``, m."""
         y = np.asarray(y, float)
         part = self.y[self.running_surface] if self.noisy else self.y

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ContactError, InputError
 from ..irregularities.surface import WHEELS
+from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
@@ -32,11 +32,11 @@ class ContactPatch:
     """Derivative of the force by the approach, N/m."""
     approach: float
     """m."""
-    pressure: NDArray[np.float64]
+    pressure: Real
     """(nx, ny), Pa."""
-    x: NDArray[np.float64]
+    x: Real
     """Longitudinal positions of the elements, (nx,), m, ahead positive."""
-    y: NDArray[np.float64]
+    y: Real
     """Lateral positions of the elements, from the middle of the rail's head, (ny,), m, to the left positive."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from ..errors import ContactError
 from ..runtime import cache
+from ..runtime.arrays import Real
+from ..runtime.progress import Progress
 from . import active_set_kernels, path_kernels
 from .path_kernels import follow_path
 
@@ -21,9 +23,6 @@ if TYPE_CHECKING:
 STORED = 256e6
 """Bytes of force tables kept on disk, some hundred defects: a node whose damage changes all day does not fill it."""
 
-Progress = Callable[[float], None]
-"""Told the share of the work that is done, 0 to 1."""
-
 
 @dataclass(frozen=True, eq=False)
 class ForceTables:
@@ -31,10 +30,10 @@ class ForceTables:
 
     first: NDArray[np.int64]
     """Where each curve starts in ``points``, and where the last ends, (tables + 1,)."""
-    points: NDArray[np.float64]
+    points: Real
     """Kinks, (points, 2): approach, m, and force, N."""
 
-    def to_arrays(self) -> dict[str, NDArray[np.float64] | NDArray[np.int64]]:
+    def to_arrays(self) -> dict[str, Real | NDArray[np.int64]]:
         """Arrays by name."""
         return {"first": self.first, "points": self.points}
 
@@ -48,12 +47,12 @@ class ForceTables:
 
 
 def force_path(
-    separation: NDArray[np.float64],
+    separation: Real,
     mirrored: bool,
-    influence: NDArray[np.float64],
+    influence: Real,
     element_area: float,
     largest_force: float,
-) -> NDArray[np.float64]:
+) -> Real:
     """Kinks of the force-approach curve, (points, 2): approach, m, and force, N, rising from first touch.
 
     The last point is at ``largest_force``, or where the contact reaches the border of the area (nx, ny) of
@@ -75,11 +74,9 @@ class _Recent:
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._curves: dict[bytes, NDArray[np.float64]] = {}
+        self._curves: dict[bytes, Real] = {}
 
-    def curve(
-        self, separation: NDArray[np.float64], influence: NDArray[np.float64], element_area: float, largest_force: float
-    ) -> NDArray[np.float64]:
+    def curve(self, separation: Real, influence: Real, element_area: float, largest_force: float) -> Real:
         contents = hashlib.blake2b(repr((separation.shape, element_area, largest_force)).encode(), digest_size=16)
         for array in (separation, influence):
             contents.update(np.ascontiguousarray(array).tobytes())
@@ -98,8 +95,8 @@ _RECENT = _Recent(1024)
 
 
 def force_tables(
-    gaps: list[NDArray[np.float64]],
-    influence: NDArray[np.float64],
+    gaps: list[Real],
+    influence: Real,
     element_area: float,
     largest_force: float,
     progress: Progress | None = None,
@@ -116,7 +113,7 @@ def force_tables(
             if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
                 raise ContactError(f"force table {number} of {len(gaps)} is not finite and rising")
             if progress is not None:
-                progress((number + 1) / len(gaps))
+                progress("contact tables", (number + 1) / len(gaps))
         first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
         return ForceTables(first, np.concatenate(curves))
 

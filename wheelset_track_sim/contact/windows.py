@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..irregularities.surface import distinct_rows
+from ..runtime.arrays import Real
 
 ROUGH = 0.9
 """Share of a surface beyond which it is rough all along: then no two positions have a table in common."""
@@ -25,7 +26,7 @@ OFTEN = 8
 class Windows(NamedTuple):
     """Distinct separations of wheel and rail within the potential contact area, and where each stands."""
 
-    gaps: list[NDArray[np.float64]]
+    gaps: list[Real]
     """Separations, heights included, each (nx, ny), m."""
     tread: NDArray[np.int32]
     """Window of each tread position on a smooth rail, (2, n_c); -1 where contacts are solved."""
@@ -36,10 +37,10 @@ class Windows(NamedTuple):
 
 
 def windows(
-    tread: NDArray[np.float64],
+    tread: Real,
     rail_row: NDArray[np.int32],
-    rail: NDArray[np.float64],
-    separation: NDArray[np.float64],
+    rail: Real,
+    separation: Real,
     smooth_reach: float,
 ) -> Windows:
     """Distinct windows of treads and rails as seen by an area of nominal ``separation`` (2, nx, ny).
@@ -69,7 +70,7 @@ def windows(
 class _Search:
     """Windows found so far."""
 
-    def __init__(self, rows: NDArray[np.float64], nominal: list[NDArray[np.float64]], smooth_reach: float) -> None:
+    def __init__(self, rows: Real, nominal: list[Real], smooth_reach: float) -> None:
         self.gaps, self.smooth, self._rows, self._reach = [*nominal], len(nominal), rows, smooth_reach
         self._found: dict[tuple[int, bytes], int] = {}
         self._top, self._bottom = rows.max(axis=1), rows.min(axis=1)

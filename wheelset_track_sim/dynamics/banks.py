@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Complex, Real
 from .causal_kernels import ROW
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 REGISTER = 8
 """Numbers in the widest vector register; banks begin on the border of one and are filled in whole ones."""

@@ -17,8 +17,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Complex, Real
 from ..runtime.one_core import on_one_core
 from ..track.balance import HalfModes, MovingTrack
 from ..wheelset.reduced import ReducedWheelset
@@ -26,9 +26,6 @@ from .banks import banked, padded, unbanked, whole_registers
 from .causal_kernels import Causal
 from .hold import hold
 from .running_wheelset import RunningWheelset, running_wheelset
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from ..runtime.arrays import Complex, Real
 
 
 def frequency_grid(max_frequency: float, duration: float, dt: float) -> tuple[Real, int]:

@@ -24,9 +24,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complex = NDArray[np.complex128]
+from ..runtime.arrays import Complex
 
 RESOLVED, ALIASED = 0.9, 1.0
 """Shares of half the sampling rate up to which modes are stepped, and from which on they follow their load at once.

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
+
 
 class DynamicsModel(Protocol):
     """Wheelset and track that can be started at a speed; what it starts is stepped by ``dynamics_kernels``."""
@@ -31,7 +33,7 @@ class DynamicsModel(Protocol):
         """Bound on the time of a step, s."""
         ...
 
-    def preload(self, wheel_load: float, dx: float, speed: float) -> NDArray[np.float64]:
+    def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         ...
 

@@ -23,10 +23,10 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from ..errors import InputError
+from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from ..runtime.one_core import on_one_core
 from ..track.line import TrackLine
@@ -34,8 +34,6 @@ from .line_bay_kernels import COLUMNS, FACTORS, HALF, MIDDLE, NODES, RAIL_MODES,
 from .line_kernels import Bays, Line, move
 from .line_steps import line_parts, line_steps
 from .running_wheelset import RunningWheelset
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,10 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
+from ..runtime.arrays import Real
 from ..track.line import TrackLine, track_line
 from ..track.supports import Line as Uniform
 from ..track.timoshenko import local_flexibility
@@ -36,8 +36,6 @@ from .line_bay_kernels import (
     LineParts,
 )
 from .line_kernels import LineSteps
-
-Real = NDArray[np.float64]
 
 END_BAYS = 16
 """Bays at either end with dampers, which grow with the square of the distance from the first of them."""

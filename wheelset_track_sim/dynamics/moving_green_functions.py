@@ -13,15 +13,16 @@ Everything that depends on the place in the bay stands in one matrix, so that a 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from ..runtime import cache
+from ..runtime.arrays import Real
+from ..runtime.progress import Progress
 from ..track import bloch as bloch_module
 from ..track.bloch import bloch_track
 from ..track.timoshenko import deflection_row, transfer_matrix
@@ -31,9 +32,6 @@ from .green_functions import integrated
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Progress = Callable[[str, float], None]
 
 BAYS = 40
 """Bays over which a load is followed: 0.86 s at 100 km/h (Fig. 8)."""

@@ -8,7 +8,7 @@ set to zero (Section 2.3), that of the rail's is kept or not (``scenario.LAG_ZER
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import ClassVar, NamedTuple
@@ -17,16 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..runtime.arrays import Real
 from ..runtime.one_core import on_one_core
+from ..runtime.progress import Progress
 from ..track.track import Track
 from ..wheelset.reduced import ReducedWheelset
 from .green_functions import folded, frequency_grid, green_function, integrated
 from .moving_green_functions import BAYS, moving_green_functions
 from .paper_kernels import Paper
 from .stress_rows import stress_rows
-
-Real = NDArray[np.float64]
-Progress = Callable[[str, float], None]
 
 MAX_FREQUENCY = 2500.0
 """Hz, up to which the paper takes receptances."""

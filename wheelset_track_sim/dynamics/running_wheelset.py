@@ -15,13 +15,11 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Complex, Real
 from ..wheelset.reduced import ReducedWheelset
 from .banks import REGISTER, banked, padded, unbanked, whole_registers
 from .hold import hold
 from .stress_rows import stress_rows
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 STATIC_STRESS = 5e-4
 """Share of the largest static stress that modes may hold together to answer at once instead of being summed up."""

@@ -12,16 +12,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from ..errors import InputError
+from ..runtime.arrays import Real
 from ..twin.measured.resampling import band_limited
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from .hold import hold
 from .stress_rows import stress_rows
-
-Real = NDArray[np.float64]
 
 RATE = 25e3
 """Samples a second with which the wheelset is stepped at least: a wave of 2500 Hz is lower by 3 % then."""

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..inputs.schema import quantity
+from ..runtime.arrays import Real
 from .surface import WHEELS, Patch, Surface, check_shape
 
 TREAD_HALF_WIDTH = 0.050
@@ -47,7 +48,7 @@ class Breakout:
         """Half the extent along the tread, m."""
         return self.a
 
-    def height(self, s: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, s: ArrayLike, y: ArrayLike) -> Real:
         """Height of the surface over the nominal one, m; negative where material is missing (Eq. 22).
 
         ``s`` is the longitudinal distance from the centre of the defect along the tread and ``y`` the lateral
@@ -55,12 +56,12 @@ class Breakout:
         """
         return hollow(np.asarray(s, float) / self.a, (np.asarray(y, float) - self.y) / self.b, self.h)
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface`` at lateral positions ``y``, m."""
         yield surface.around(surface.at_angle(self.angle), self.a, lambda s: self.height(s, y))
 
 
-def hollow(s: NDArray[np.float64], y: NDArray[np.float64], depth: float) -> NDArray[np.float64]:
+def hollow(s: Real, y: Real, depth: float) -> Real:
     """Height of an ellipse that a cosine deepens, m; ``s`` and ``y`` are 1 at its rim (Eq. 22)."""
     radius = np.hypot(s, y)
     return np.where(radius <= 1.0, -0.5 * depth * (1.0 + np.cos(np.pi * np.minimum(radius, 1.0))), 0.0)

@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Literal, Union
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity, quantity_of
+from ..runtime.arrays import Real
 from .breakout import Breakout
 from .surface import WHEELS, Patch, Surface, check_shape
 
@@ -116,7 +116,7 @@ class Cluster:
         random = np.random.default_rng(self.seed)
         return tuple(self._breakout(random) for _ in range(self.number))
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface`` at lateral positions ``y``, m."""
         for breakout in self.breakouts:
             yield from breakout.patches(surface, y)

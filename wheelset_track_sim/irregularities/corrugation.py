@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import quantity
+from ..runtime.arrays import Real
 from .stretch import check_stretch, part_of, ramp, start
 from .surface import RAILS, Patch, Surface, check_shape
 
@@ -43,7 +43,7 @@ class Corrugation:
         """Position where the stretch ends, m."""
         return self.start + (self.length or 0.0)
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface``, the same at all lateral positions; InputError for waves shorter than two steps."""
         if self.wavelength < 2 * surface.dx:
             raise InputError(

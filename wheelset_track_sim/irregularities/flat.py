@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import Quantity, quantity
+from ..runtime.arrays import Real
 from .surface import WHEELS, Patch, Surface, check_shape
 
 WORN = Quantity("m", 0.005, 0.5, "the length of the rounded flat")
@@ -52,7 +52,7 @@ class Flat:
         """Of the middle, m, on a wheel of ``radius``, m."""
         return float(radius - np.sqrt(radius**2 - self.length**2 / 4))
 
-    def height(self, s: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    def height(self, s: Real, radius: float) -> Real:
         """Height of the surface over a cylinder of ``radius``, m, at ``s`` from the middle along the tread, m."""
         depth = self.depth(radius)
         if self.worn_length is None:
@@ -61,7 +61,7 @@ class Flat:
         worn = -0.5 * depth * (1.0 + np.cos(2 * np.pi * s / self.worn_length))
         return np.where(np.abs(s) < self.worn_length / 2, worn, 0.0)
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface``, the same at all lateral positions."""
         half = (self.length if self.worn_length is None else self.worn_length) / 2
         yield surface.around(surface.at_angle(self.angle), half, lambda s: self.height(s, surface.radius))

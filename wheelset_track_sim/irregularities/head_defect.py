@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..inputs.schema import quantity
+from ..runtime.arrays import Real
 from .breakout import TREAD_HALF_WIDTH, hollow
 from .surface import RAILS, Patch, Surface, check_shape
 
@@ -45,11 +46,11 @@ class HeadDefect:
         """Position where it ends, m."""
         return self.position + self.a
 
-    def height(self, s: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, s: ArrayLike, y: ArrayLike) -> Real:
         """Height, m, at ``s`` from the centre along the rail and ``y`` across it, m."""
         return hollow(np.asarray(s, float) / self.a, (np.asarray(y, float) - self.y) / self.b, self.h)
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface`` at lateral positions ``y``, m."""
         yield surface.around(surface.at(self.position), self.a, lambda s: self.height(s, y))
 
@@ -62,7 +63,7 @@ class Squat(HeadDefect):
 
     ridge: float = quantity("", 0.0, 1.0, "the share of the depth by which the ridge stands above it", default=0.5)
 
-    def height(self, s: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, s: ArrayLike, y: ArrayLike) -> Real:
         """Height, m, at ``s`` from the centre along the rail and ``y`` across it, m."""
         on_ridge = 0.5 + 0.5 * np.cos(np.pi * np.minimum(np.abs(np.asarray(s, float)) / (self.a / 2), 1.0))
         return np.asarray(super().height(s, y) * (1.0 - self.ridge * on_ridge))

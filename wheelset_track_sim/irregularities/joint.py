@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..inputs.schema import quantity
+from ..runtime.arrays import Real
 from .head_defect import position
 from .surface import RAILS, Patch, Surface, check_shape
 
@@ -47,12 +47,12 @@ class Joint:
         """Of the ends where they meet, m."""
         return self.dip_angle * self.length / 8
 
-    def height(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def height(self, s: Real) -> Real:
         """Height, m, at ``s`` from the middle along the rail, m."""
         rest = np.maximum(1.0 - np.abs(s) / (self.length / 2), 0.0)
         return -self.depth * rest**2 - np.where(np.abs(s) < self.gap / 2, OPEN, 0.0)
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface``, the same at all lateral positions."""
         yield surface.around(surface.at(self.position), self.length / 2, self.height)
 
@@ -80,11 +80,11 @@ class DippedWeld:
         """Position where it ends, m."""
         return self.position + self.length / 2
 
-    def height(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def height(self, s: Real) -> Real:
         """Height, m, at ``s`` from the middle along the rail, m."""
         inside = np.minimum(np.abs(s), self.length / 2)
         return -0.5 * self.depth * (1.0 + np.cos(2 * np.pi * inside / self.length))
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface``, the same at all lateral positions."""
         yield surface.around(surface.at(self.position), self.length / 2, self.height)

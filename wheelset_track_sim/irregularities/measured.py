@@ -9,18 +9,16 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.signal import resample_poly
 
 from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import quantity
+from ..runtime.arrays import Real
 from .sample_file import Samples, read_table, samples_of
 from .stretch import part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
-
-Real = NDArray[np.float64]
 
 ALONG = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
 ACROSS = {"m": 1.0, "mm": 1e-3}

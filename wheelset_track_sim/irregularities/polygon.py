@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity
+from ..runtime.arrays import Real
 from .surface import WHEELS, Patch, Surface, check_shape
 
 
@@ -40,7 +40,7 @@ class Polygon:
         if not 1 <= len(self.harmonics) <= 300:
             raise InputError(f"harmonics has {len(self.harmonics)} entries: give 1 to 300")
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface``, the same at all lateral positions; InputError for waves shorter than two steps."""
         heights = np.zeros(surface.steps)
         for each in self.harmonics:

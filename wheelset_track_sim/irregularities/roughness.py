@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..inputs.schema import Quantity, quantity
+from ..runtime.arrays import Real
 from .stretch import check_stretch, part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
 
@@ -73,12 +74,12 @@ class Roughness:
         """Position where the stretch ends, m."""
         return self.start + (self.length or 0.0)
 
-    def levels(self, wavelength: ArrayLike) -> NDArray[np.float64]:
+    def levels(self, wavelength: ArrayLike) -> Real:
         """Levels, dB re 1 um, of the third octaves around wavelengths, m, ``level`` included."""
         known = np.array(sorted(self.spectrum) or sorted(zip(LIMIT_WAVELENGTHS, LIMIT_LEVELS, strict=True)))
         return np.asarray(np.interp(np.log(wavelength), np.log(known[:, 0]), known[:, 1]) + self.level)
 
-    def field(self, steps: int, dx: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def field(self, steps: int, dx: float, y: Real) -> Real:
         """Heights that repeat after ``steps`` of ``dx``, m, at lateral positions ``y``, m: (steps, len(y)), m.
 
         Raises InputError if no wave of the band repeats, or if waves are shorter than two steps.
@@ -108,7 +109,7 @@ class Roughness:
             heights[:, j] = np.fft.irfft(spectrum, steps)
         return heights
 
-    def patches(self, surface: Surface, y: NDArray[np.float64]) -> Iterable[Patch]:
+    def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface`` at lateral positions ``y``, m; those of a stretch are of that stretch alone."""
         part = part_of(surface, self.start, self.length, self.ramp)
         yield Patch(part.first, self.field(part.steps, surface.dx, y) * part.share[:, None])

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.shipped import table_text
+from ..runtime.arrays import Real
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
@@ -26,11 +26,11 @@ MOST = 200_000
 class Samples(NamedTuple):
     """Samples along a surface."""
 
-    along: NDArray[np.float64]
+    along: Real
     """Positions along, (n,)."""
-    values: NDArray[np.float64]
+    values: Real
     """Heights, (n, columns); NaN where there is none."""
-    across: NDArray[np.float64] | None
+    across: Real | None
     """Positions across, (columns,); None for one column that is the same all across."""
 
 
@@ -79,7 +79,7 @@ def samples_of(text: str, name: str) -> Samples:
     return Samples(along, values, across)
 
 
-def _from_numpy(content: bytes, name: str) -> NDArray[np.float64]:
+def _from_numpy(content: bytes, name: str) -> Real:
     try:
         array = np.load(io.BytesIO(content), allow_pickle=False)
     except (ValueError, OSError, EOFError) as reason:
@@ -89,7 +89,7 @@ def _from_numpy(content: bytes, name: str) -> NDArray[np.float64]:
     return array.astype(np.float64)
 
 
-def _from_text(content: bytes, name: str) -> NDArray[np.float64]:
+def _from_text(content: bytes, name: str) -> Real:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as reason:

@@ -6,10 +6,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import Quantity, quantity
+from ..runtime.arrays import Real
 from .surface import Surface
 
 LENGTH = Quantity("m", 0.01, 1e4, "the length of the stretch")
@@ -48,7 +48,7 @@ class Part(NamedTuple):
 
     first: int
     steps: int
-    share: NDArray[np.float64]
+    share: Real
     """Of the full height at each step, (steps,), rising and falling as half a cosine."""
 
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import check
-
-Real = NDArray[np.float64]
+from ..runtime.arrays import Real
 
 WHEELS = ("wheel_1", "wheel_2")
 RAILS = ("rail_1", "rail_2")

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 from ..bags.tread_damage import irregularities_of
 from ..errors import WheelsetTrackError
 from ..irregularities.listing import listed
+from ..runtime.progress import Progress
 from ..scenario.scenario import WHEELS, Scenario
 from ..simulation.changes import Revision
-from ..simulation.simulator import Progress, Simulator
+from ..simulation.simulator import Simulator
 from .recorder import path_below
 
 Change = Callable[[Scenario], Scenario]

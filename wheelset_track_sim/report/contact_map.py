@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..contact.law import build_contact_law
 from ..contact.solutions import approach_for_force, solve_patch
 from ..irregularities import Breakout, breakouts
+from ..runtime.arrays import Real
 from ..scenario.scenario import WHEELS, Scenario
 from ..simulation.contact_geometry import contact_geometry
 from ..wheelset.kinds import load_any_wheelset
@@ -25,11 +26,11 @@ class ContactMap:
 
     force: float
     """N"""
-    pressure: NDArray[np.float64]
+    pressure: Real
     """(nx, ny), Pa."""
-    x: NDArray[np.float64]
+    x: Real
     """Of the elements, from the middle of the contact area, (nx,), m, ahead positive."""
-    y: NDArray[np.float64]
+    y: Real
     """From the middle of the rail's head, (ny,), m, to the left positive."""
     size: tuple[float, float]
     """Extent along and across, m."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .samples import Samples
 
 CAPACITY = 2**15
@@ -19,11 +19,11 @@ class Bins:
 
     size: int
     first_step: int
-    time: NDArray[np.float64]
+    time: Real
     """Of the first sample of each bin, (bins,), s."""
-    low: NDArray[np.float64]
+    low: Real
     """(bins, columns)"""
-    high: NDArray[np.float64]
+    high: Real
     """(bins, columns)"""
 
     def __len__(self) -> int:
@@ -74,7 +74,7 @@ class Envelope:
             high = np.vstack([high, np.fmax.reduce(values, axis=0)])
         return Bins(self._size, self._first_step, time, low, high)
 
-    def _fill(self, time: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    def _fill(self, time: Real, values: Real) -> None:
         parts = values.reshape(-1, self._size, values.shape[1])
         target = slice(self._count, self._count + len(parts))
         self._time[target] = time[:: self._size]
@@ -94,11 +94,11 @@ class Envelope:
 class Drawn:
     """What a page draws of a run: bins, and single samples where these are known."""
 
-    time: NDArray[np.float64]
+    time: Real
     """(entries,), s."""
-    low: NDArray[np.float64]
+    low: Real
     """(entries, columns); equal to ``high`` for a single sample."""
-    high: NDArray[np.float64]
+    high: Real
     """(entries, columns)"""
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .samples import Samples
 from .survey import Survey
 from .table import description
@@ -80,7 +80,7 @@ def draw_stresses(axes: Axes, run: Survey, part: Samples) -> None:
     finish(axes, "max. principal stress (MPa)")
 
 
-def curves(axes: Axes, part: Samples, values: NDArray[np.float64], names: tuple[str, ...]) -> None:
+def curves(axes: Axes, part: Samples, values: Real, names: tuple[str, ...]) -> None:
     """One curve a column."""
     # The first curve is drawn last: the damaged wheel and the most stressed node lie on top.
     for column in reversed(range(values.shape[1])):

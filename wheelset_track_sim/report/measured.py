@@ -8,8 +8,8 @@ from html import escape
 import numpy as np
 from bokeh.models import ColumnDataSource, Range1d
 from bokeh.models.layouts import LayoutDOM
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..twin.measured.comparison import WHEELS, Comparison
 from ..twin.measured.rows import impact_rows, remarks, rows
 from .plots import below_one_another, curves, over_an_axis
@@ -61,7 +61,7 @@ def measured_plots(found: Comparison) -> LayoutDOM:
     return below_one_another(plots)
 
 
-def drawn(at: NDArray[np.float64], values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def drawn(at: Real, values: Real) -> tuple[Real, Real]:
     """Axis and values (n, curves) in ``MOST`` points at most, without losing a peak."""
     size = -(-2 * len(at) // MOST)
     if size <= 2:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 
 WHEELS = 2
@@ -19,11 +19,11 @@ class Samples:
     """Consecutive samples, one for each step."""
 
     first_step: int
-    time: NDArray[np.float64]
+    time: Real
     """Simulated time since step 0, (samples,), s."""
-    position: NDArray[np.float64]
+    position: Real
     """Along the track, (samples,), m."""
-    values: NDArray[np.float64]
+    values: Real
     """Contact forces of wheel 1 and 2, N, then the maximum principal stress of every node, Pa: (samples, 2 + nodes)."""
 
     def __len__(self) -> int:
@@ -35,12 +35,12 @@ class Samples:
         return self.first_step + len(self)
 
     @property
-    def forces(self) -> NDArray[np.float64]:
+    def forces(self) -> Real:
         """Contact forces of both wheels, (samples, 2), N."""
         return self.values[:, :WHEELS]
 
     @property
-    def max_principal(self) -> NDArray[np.float64]:
+    def max_principal(self) -> Real:
         """Maximum principal stress, (samples, nodes), Pa."""
         return self.values[:, WHEELS:]
 

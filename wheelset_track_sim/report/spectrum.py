@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import periodogram
+
+from ..runtime.arrays import Real
 
 SEGMENT = 2**14
 """Samples of a segment: 0.6 s at 100 km/h and 1 mm, so that the turns of the wheel (10 Hz) are told apart."""
@@ -21,9 +22,9 @@ class Spectrum:
     speed: float
     """m/s"""
     segments: int
-    frequency: NDArray[np.float64]
+    frequency: Real
     """(frequencies,), Hz, from 0 to half the sampling rate."""
-    density: NDArray[np.float64]
+    density: Real
     """(frequencies, columns), unit of the column squared per Hz."""
 
 
@@ -32,12 +33,12 @@ class Welch:
 
     def __init__(self, segment: int = SEGMENT) -> None:
         self._segment = segment
-        self._sums: dict[float, tuple[int, float, NDArray[np.float64]]] = {}
-        self._longest: tuple[float, float, NDArray[np.float64]] | None = None
+        self._sums: dict[float, tuple[int, float, Real]] = {}
+        self._longest: tuple[float, float, Real] | None = None
         self._at: tuple[float, float] = (0.0, 0.0)
         self._rest = np.zeros((0, 0))
 
-    def push(self, speed: float, step_period: float, values: NDArray[np.float64]) -> None:
+    def push(self, speed: float, step_period: float, values: Real) -> None:
         """Add the samples that follow, (samples, columns), at ``speed``, m/s, and ``step_period``, s."""
         if (speed, step_period) != self._at:
             self.leave()
@@ -70,13 +71,13 @@ class Welch:
         speed, step_period, values = self._longest
         return Spectrum(speed, 1, *_density(values, step_period))
 
-    def _add(self, values: NDArray[np.float64]) -> None:
+    def _add(self, values: Real) -> None:
         speed, step_period = self._at
         density = _density(values, step_period)[1]
         count, _, total = self._sums.get(speed, (0, step_period, np.zeros_like(density)))
         self._sums[speed] = count + 1, step_period, total + density
 
 
-def _density(values: NDArray[np.float64], step_period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _density(values: Real, step_period: float) -> tuple[Real, Real]:
     found = periodogram(values, 1 / step_period, window="hann", detrend="constant", axis=0)
     return np.asarray(found[0]), np.asarray(found[1])

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..runtime.arrays import Real
 from .principal import maximum_principal
 
 
@@ -31,9 +29,9 @@ class SampleBlock:
     """Position of the first sample along the track, ``first_step * dx``, m."""
     revision: int
     """Number of the accepted change that is in force, from 0."""
-    forces: NDArray[np.float64]
+    forces: Real
     """Contact forces of wheel 1 and wheel 2, (samples, 2), N, positive in compression."""
-    stresses: NDArray[np.float64]
+    stresses: Real
     """Axle stress, (samples, nodes, 6), Pa, components in the order of ``COMPONENTS``."""
     nodes: tuple[str, ...]
     """Names of the stress nodes."""
@@ -48,6 +46,6 @@ class SampleBlock:
         return len(self.forces)
 
     @cached_property
-    def max_principal(self) -> NDArray[np.float64]:
+    def max_principal(self) -> Real:
         """Maximum principal stress, (samples, nodes), Pa."""
         return maximum_principal(self.stresses)

@@ -21,15 +21,13 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import Quantity
+from ..runtime.arrays import Real
 from ..wheelset.reduced import COMPONENTS
 from .block import SampleBlock
 from .decimation_kernels import accumulate
-
-Real = NDArray[np.float64]
 
 FACTOR = Quantity("", 1, 1000, "the number of steps from sample to sample")
 PASSBAND = 0.8

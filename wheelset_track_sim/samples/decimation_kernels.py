@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..runtime.arrays import Real
 from ..runtime.jit import kernel
 
 
 @kernel
 def accumulate(
-    sums: NDArray[np.float64],
+    sums: Real,
     first_output: int,
     first_step: int,
-    weights: NDArray[np.float64],
-    samples: NDArray[np.float64],
+    weights: Real,
+    samples: Real,
 ) -> None:
     """Add the ``samples`` (signals, n) of consecutive steps to the outputs ``sums`` (signals, outputs) they belong to.
 

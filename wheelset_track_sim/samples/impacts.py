@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..inputs.schema import check, quantity
+from ..runtime.arrays import Real
 from .block import SampleBlock
 from .summary import Summary
 
@@ -106,7 +107,7 @@ class ImpactDetector:
         self._open = [None, None]
         return _in_order(over)
 
-    def _impacts(self, wheel: int, block: SampleBlock, force: NDArray[np.float64], static_force: float) -> list[_Open]:
+    def _impacts(self, wheel: int, block: SampleBlock, force: Real, static_force: float) -> list[_Open]:
         """Those of one wheel, with its ``force``, that are over with a block."""
         first, row = block.first_step, 0
         over: list[_Open] = []
@@ -132,7 +133,7 @@ class ImpactDetector:
             row = max(0, now.last + now.reach + 1 - first)
 
     def _extend(
-        self, now: _Open, block: SampleBlock, force: NDArray[np.float64], above: NDArray[np.int64], static_force: float
+        self, now: _Open, block: SampleBlock, force: Real, above: NDArray[np.int64], static_force: float
     ) -> None:
         """Take the samples ``above`` the threshold into an impact."""
         now.last = block.first_step + int(above[-1])

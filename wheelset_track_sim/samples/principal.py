@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..runtime.arrays import Real
 from .principal_kernels import largest_principal_stress, principal_stresses
 
 
-def principal(stress: ArrayLike) -> NDArray[np.float64]:
+def principal(stress: ArrayLike) -> Real:
     """Principal stresses, largest first, (..., 3), of stress components (..., 6), in the unit given."""
     array = np.asarray(stress, dtype=np.float64)
     rows = np.ascontiguousarray(array.reshape(-1, 6))
@@ -19,7 +20,7 @@ def principal(stress: ArrayLike) -> NDArray[np.float64]:
     return found.reshape(*array.shape[:-1], 3)
 
 
-def maximum_principal(stress: ArrayLike) -> NDArray[np.float64]:
+def maximum_principal(stress: ArrayLike) -> Real:
     """Maximum principal stress, (...), of stress components (..., 6), in the unit given.
 
     Fastest where the components lie in memory one after the other, each with all samples of the first axis.

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .block import SampleBlock
 
 
@@ -47,10 +47,10 @@ class NodeStress:
 class Statistics(NamedTuple):
     """What a signal comes to over a run of samples, in its own unit."""
 
-    max: NDArray[np.float64]
-    min: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    rms: NDArray[np.float64]
+    max: Real
+    min: Real
+    mean: Real
+    rms: Real
     """Root of the mean square."""
 
 
@@ -63,7 +63,7 @@ class Summary:
     nodes: tuple[NodeStress, ...]
 
 
-def statistics(signals: NDArray[np.float64]) -> Statistics:
+def statistics(signals: Real) -> Statistics:
     """Statistics (signals,) of signals (signals, samples), contiguous; ValueError if there are no samples."""
     squares = np.einsum("ij,ij->i", signals, signals)
     return Statistics(

@@ -7,10 +7,8 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..contact.law_kernels import ContactLaw
+from ..runtime.arrays import Real
 from ..scenario.scenario import Scenario
 from .passage import passage
 
@@ -33,7 +31,7 @@ class Condition:
     revision: Revision
     scenario: Scenario
     law: ContactLaw
-    preload: NDArray[np.float64]
+    preload: Real
     """Approach of each wheel under the static load without dynamics, (2,) m."""
     clear: bool = True
     """Whether nothing that changes is in a contact patch when it comes into force."""
@@ -73,7 +71,7 @@ class Changes:
         self,
         scenario: Scenario,
         law: ContactLaw,
-        preload: NDArray[np.float64],
+        preload: Real,
         *,
         not_before: int = 0,
         exactly: bool = False,

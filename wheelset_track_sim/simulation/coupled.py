@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.solutions import solver
 from ..errors import ContactError
+from ..runtime.arrays import Real
 from .changes import Condition
 from .coupled_kernels import run
 from .models import Models
-
-Real = NDArray[np.float64]
 
 AHEAD = 2
 """Coming speeds whose coefficients are worked out while steps are taken."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import DivergenceError
+from ..runtime.arrays import Real
 
 
-def require_finite(first_step: int, **samples: NDArray[np.float64]) -> None:
+def require_finite(first_step: int, **samples: Real) -> None:
     """Raise DivergenceError if any of the samples (n, ...) from ``first_step`` on is not finite.
 
     It names the first step at which that is so, and that step's values of all that is given.

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 from weakref import WeakValueDictionary
 
 from ..runtime.cache import digest
+from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario.scenario import Scenario
-from .models import Models, Progress, described, load_models
+from .models import Models, described, load_models
 from .simulator import CHANGEABLE, Simulator
 
 if TYPE_CHECKING:

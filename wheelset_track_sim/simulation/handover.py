@@ -10,15 +10,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.law import TABLE_FORCE
 from ..contact.law_kernels import ContactLaw, total_separation
 from ..contact.solutions import approach_for_force
 from ..errors import ContactError
+from ..runtime.arrays import Real
 from .passage import PATCH
-
-Real = NDArray[np.float64]
 
 FADE = 0.1
 """Time in which what an approach was raised by fades, s: some metres, behind the quickest motion of the wheelset."""

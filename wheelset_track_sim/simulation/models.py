@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -22,6 +21,7 @@ from ..dynamics.running_wheelset import running_wheelset, truncated
 from ..errors import InputError
 from ..irregularities import Irregularity, line_steps
 from ..runtime.cache import digest
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..track.balance import moving_track
 from ..track.line import track_line
@@ -32,8 +32,6 @@ from ..wheelset.reduced import ReducedWheelset
 from ..wheelset.wheelset import Wheelset
 from .compilation import compiled_meanwhile
 from .contact_geometry import contact_geometry
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(eq=False)
@@ -72,7 +70,7 @@ class Models:
             self.steps_per_revolution,
             rail_steps=line_steps(irregularities, line_length, self.step_length),
             tables=self.tables,
-            progress=None if progress is None else partial(progress, "contact tables"),
+            progress=progress,
         )
         if not irregularities:
             self._smooth = law

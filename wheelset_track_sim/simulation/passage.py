@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from ..contact.law_kernels import ContactLaw
+from ..runtime.arrays import Real
 
 PATCH = 8
 """Steps to either side of the contact point over which heights are compared where something always differs."""
@@ -22,9 +22,7 @@ class Passage(NamedTuple):
     """Whether nothing that differs is in a patch there."""
 
 
-def differences(
-    before: ContactLaw, after: ContactLaw, first: int, count: int, tread_origin: int
-) -> NDArray[np.float64]:
+def differences(before: ContactLaw, after: ContactLaw, first: int, count: int, tread_origin: int) -> Real:
     """Heights by which ``after`` is above ``before`` at the contact point of ``count`` steps, (2, count, ny), m.
 
     Lateral positions are those of the narrower law, which hold the contacts on its surfaces.

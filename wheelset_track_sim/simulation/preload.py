@@ -12,14 +12,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .handover import FADE, Handover
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Real = NDArray[np.float64]
 
 RISE = 1.0
 """Time from the step at which a load comes into force until it bears whole, s."""

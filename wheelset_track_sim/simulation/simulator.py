@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import ContactPatch, approach_for_force
 from ..errors import InputError
+from ..runtime.arrays import Real
+from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario.scenario import Scenario
 from ..wheelset.reduced import COMPONENTS
@@ -23,8 +23,6 @@ from .models import Models, load_models
 from .preload import Loading
 from .speed import Course, Stretch
 from .superposition import Superposition, followed, superposition
-
-Progress = Callable[[str, float], None]
 
 SETTLING = 1.0
 """Time of smooth running before step 0, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the difference
@@ -140,7 +138,7 @@ class Simulator:
         return self._models.digest(self.scenario)
 
     @property
-    def displacements(self) -> NDArray[np.float64]:
+    def displacements(self) -> Real:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
         return self._coupled.displacements
 
@@ -235,10 +233,10 @@ class Simulator:
             nodes=scenario.output.stress_nodes,
         )
 
-    def _preload_for(self, scenario: Scenario) -> NDArray[np.float64]:
+    def _preload_for(self, scenario: Scenario) -> Real:
         smooth = self._models.contact_law(())
         load = scenario.wheel_load
-        preload: NDArray[np.float64] = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
+        preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
         return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
 
     def _check_steps(self, scenario: Scenario) -> None:

@@ -11,18 +11,16 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import unknown
+from ..runtime.arrays import Real
 from ..runtime.one_core import one_core
 from ..scenario.loads import Loads
 from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset
 from ..wheelset.reduced import ReducedWheelset
 from ..wheelset.static_loads import check_parts, parts_of, press_fit_stress, reacted, torsion_stress
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

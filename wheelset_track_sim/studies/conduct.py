@@ -11,14 +11,13 @@ from functools import partial
 from pathlib import Path
 
 from ..errors import InputError, WheelsetTrackError
+from ..runtime.progress import Progress
 from ..simulation.models import load_models
 from .evaluate import Job, Result, evaluate, program
 from .results import Results
 from .store import Store
 from .study import Run, Study
 from .workers import on_cluster, on_this_machine
-
-Progress = Callable[[str, float], None]
 
 RUNS = "runs"
 """Folder of finished runs within the study's."""

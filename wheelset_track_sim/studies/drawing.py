@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,15 +14,11 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..report.figures import COLOURS, STYLE, finish
+from ..runtime.arrays import Complex, Real
 from ..scenario.scenario import Scenario
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Progress = Callable[[str, float], None]
 
 BAND = 2500.0
 """Hz; the band of the paper, if the scenario gives none."""

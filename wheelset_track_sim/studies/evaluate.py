@@ -9,12 +9,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import __version__, contact, dynamics, irregularities, samples, simulation, track, wheelset
 from ..errors import WheelsetTrackError
 from ..irregularities import rail_heights, tread_heights
 from ..irregularities.surface import RAILS
+from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..samples.principal import maximum_principal
@@ -23,8 +23,6 @@ from ..scenario.scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
 from .outputs import value_of
-
-Real = NDArray[np.float64]
 
 INSTANTS = ("reference", "max_force")
 """Instants of a contact pressure: angle 0 of the treads meets the rail; the wheel's contact force is largest."""

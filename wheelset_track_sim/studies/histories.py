@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import unknown
 from ..report.figures import COLOURS
+from ..runtime.arrays import Real
 from ..scenario.scenario import WHEELS
 from ..track.track import load_track
 from . import drawing, units
@@ -21,8 +21,6 @@ from . import drawing, units
 if TYPE_CHECKING:
     from .results import Results
     from .study import Study
-
-Real = NDArray[np.float64]
 
 
 class Channel(NamedTuple):

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..wheelset.section_mesh import SectionMesh
 
-Real = NDArray[np.float64]
 Nodes = NDArray[np.int64]
 
 LARGEST = 0.07

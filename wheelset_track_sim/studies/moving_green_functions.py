@@ -7,19 +7,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..dynamics.green_functions import integrated
 from ..dynamics.hold import hold_coefficients
 from ..dynamics.moving_green_functions import moving_green_functions
 from ..report.figures import COLOURS, finish
+from ..runtime.arrays import Real
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..track.ring import MAX_FREQUENCY, HalfRing, TrackRing, track_ring
 from ..track.track import Track, load_track
 from . import drawing
-from .drawing import Look, Progress
-
-Real = NDArray[np.float64]
+from .drawing import Look
 
 SHOWN = 0.05
 """s, as in Fig. 8."""

@@ -1,6 +1,6 @@
 """Figures that are drawn from the models, without runs: one function each, imported when it is asked for.
 
-A function is ``draw(out: Path, scenario: Scenario, progress: Callable[[str, float], None] | None) -> list[Path]``: it
+A function is ``draw(out: Path, scenario: Scenario, progress: Progress | None) -> list[Path]``: it
 writes its figures and tables into ``out`` and returns what it wrote.
 """
 
@@ -12,9 +12,9 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..inputs.schema import unknown
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 
-Progress = Callable[[str, float], None]
 Draw = Callable[[Path, Scenario, Progress | None], list[Path]]
 
 FIGURES = {

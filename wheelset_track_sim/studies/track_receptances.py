@@ -8,17 +8,16 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from ..report.figures import COLOURS
+from ..runtime.arrays import Complex, Real
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..track import bloch
 from ..track import finite_elements as track_fe
 from ..track.track import Track, load_track
 from . import drawing
-from .drawing import Complex, Look, Progress
-
-Real = NDArray[np.float64]
+from .drawing import Look
 
 LOWEST = 10.0
 """Hz; the receptance hardly changes below."""

@@ -11,13 +11,13 @@ from matplotlib.cm import ScalarMappable
 
 from ..errors import InputError
 from ..report.figures import COLOURS
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from ..wheelset.reduction import ModeShapes, mode_shapes, reduced_wheelset
 from ..wheelset.section_mesh import SectionMesh
 from ..wheelset.wheelset import Wheelset, load_wheelset
 from . import drawing, mode_drawing
-from .drawing import Progress
 from .mode_drawing import Mode
 from .wheelset_receptances import watched_node
 

@@ -5,19 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..dynamics.green_functions import frequency_grid, green_function
 from ..errors import InputError
 from ..report.figures import COLOURS, finish
+from ..runtime.arrays import Complex, Real
+from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from ..wheelset.reduction import reduced_wheelset
 from ..wheelset.wheelset import Wheelset, load_wheelset
 from . import drawing
-from .drawing import Look, Progress
-
-Real = NDArray[np.float64]
+from .drawing import Look
 
 LOWEST = 1.0
 """Hz; well below the bounce on the suspension."""
@@ -160,5 +159,5 @@ def _static(reduced: ReducedWheelset) -> str:
     return f"{static[0, 0]:.0f}, {static[1, 1]:.0f} and cross {static[1, 0]:.0f} nm/N"
 
 
-def _polar(name: str, response: drawing.Complex, unit: str) -> dict[str, Real]:
+def _polar(name: str, response: Complex, unit: str) -> dict[str, Real]:
     return {f"{name} magnitude ({unit})": np.abs(response), f"{name} phase (deg)": drawing.phase_degrees(response)}

@@ -15,14 +15,15 @@ them all: the state ``z`` means the same at every speed, and only ``A_0 + v A_1`
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..runtime import cache
+from ..runtime.arrays import Complex, Real
+from ..runtime.progress import Progress
 from . import bay as bay_module
 from . import ring as ring_module
 from . import timoshenko
@@ -33,8 +34,6 @@ from .track import Track
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 ORDER = 200
 """Real states of a half track."""
@@ -159,7 +158,7 @@ def moving_track(
     *,
     max_frequency: float = MAX_FREQUENCY,
     order: int = ORDER,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> MovingTrack:
     """Ring of a track (``track_ring``) reduced to ``order`` real states a half; kept in the cache."""
     report = progress or (lambda what, fraction: None)

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ..errors import InputError
+from ..runtime.arrays import Complex, Real
 from .timoshenko import element_matrices, local_flexibility, shape_functions
 from .track import Half, Track
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,15 +13,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
+from ..runtime.arrays import Complex, Real
 from .bay import half_sleeper
 from .timoshenko import deflection_row, transfer_matrix
 from .track import HALVES, Half, Track
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 MAX_FREQUENCY = 1e4
 """Highest frequency in Hz: beyond it the transfer matrix of a bay loses digits."""

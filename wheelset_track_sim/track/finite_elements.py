@@ -14,11 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 
 from ..errors import InputError
+from ..runtime.arrays import Complex, Real
 from .bay import Bay, assemble_bay
 from .track import HALVES, Track
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 BAYS = 140
 """Length of the paper's track in bays."""

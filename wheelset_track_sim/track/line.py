@@ -21,12 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eigh, orth
 from scipy.sparse.linalg import splu
 
+from ..runtime.arrays import Complex, Real
 from .supports import Along, Line, along
 from .timoshenko import element_matrices, local_flexibility, shape_functions
 from .track import Beam, Track
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 RAIL_ELEMENTS = 64
 """Rail elements a bay before the reduction."""

@@ -34,10 +34,12 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..runtime import cache
+from ..runtime.arrays import Complex, Real
+from ..runtime.progress import Progress
 from . import bay as bay_module
 from . import ring_modes, timoshenko
 from . import track as track_module
@@ -48,9 +50,6 @@ from .track import HALVES, Half, Track
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Progress = Callable[[str, float], None]
 
 BAYS = 80
 """Default number of bays: after an impact that moves the rail by 1.1 mm, what comes round the ring is below 0.1 um."""

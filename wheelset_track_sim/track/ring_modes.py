@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Complex, Real
 from .bay import Bay
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 
 

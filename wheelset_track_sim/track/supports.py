@@ -21,12 +21,11 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity
+from ..runtime.arrays import Real
 
-Real = NDArray[np.float64]
 Rail = Literal["rail_1", "rail_2", "both"]
 
 STIFF, DAMPED = (1e-3, 100.0), (1e-3, 10.0)

@@ -14,12 +14,9 @@ Nodal unknowns of an element: ``[w, theta]`` at the left end, then at the right 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .track import Beam
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 def shape_functions(beam: Beam, length: float, s: Real) -> tuple[Real, Real]:

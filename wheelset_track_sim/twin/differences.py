@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,11 @@ from ..bags.run_info import versions
 from ..errors import RecordingError
 from ..live.origin import model_digests
 from ..live.run_writer import RunWriter
+from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary, combine, summarise
 from ..scenario.scenario import WHEELS
-from ..simulation.simulator import Progress, Simulator
+from ..simulation.simulator import Simulator
 from ..simulation.speed import Stretch
 from ..wheelset.reduced import COMPONENTS
 from .differences import Difference, Differences

@@ -16,10 +16,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .parts import Material
 from .section_mesh import SectionMesh
-
-Real = NDArray[np.float64]
 
 SIGNS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float)
 GAUSS_3 = np.polynomial.legendre.leggauss(3)

@@ -9,11 +9,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
+from ..runtime.arrays import Real
 from .harmonic_elements import free_unknowns, shape_functions, stiffness_and_mass
 from .section_mesh import RESOLUTION, SectionMesh
 from .wheelset import Wheelset
-
-Real = NDArray[np.float64]
 
 HARMONICS = range(7)
 """n = 0 to 6: of the X40, n = 7 starts at 4.1 kHz, and 7 to 9 change receptances to 2500 Hz by less than 1e-12 m/N."""

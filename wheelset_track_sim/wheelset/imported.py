@@ -12,16 +12,15 @@ from dataclasses import dataclass
 from math import hypot, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..inputs.schema import Quantity, check, quantity
+from ..runtime.arrays import Real
 from .reduced import ReducedWheelset
 from .reduction import diagonalised
 from .static_loads import nominal_torsion
 from .stress_node import NAME, check_names
 
-Real = NDArray[np.float64]
 Numbers = tuple[float, ...]
 Rows = tuple[Numbers, ...]
 

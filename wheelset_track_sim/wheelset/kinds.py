@@ -9,9 +9,10 @@ from typing import Any
 from ..errors import InputError
 from ..inputs.schema import read
 from ..inputs.shipped import load_yaml
+from ..runtime.progress import Progress
 from .imported import ImportedWheelset
 from .reduced import ReducedWheelset
-from .reduction import Progress, reduced_wheelset
+from .reduction import reduced_wheelset
 from .wheelset import Wheelset, load_wheelset
 
 AnyWheelset = Wheelset | ImportedWheelset

@@ -10,14 +10,12 @@ from collections.abc import Iterator
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .parts import BrakeDiscs, Step, Wheel
 from .section_mesh import RESOLUTION, SectionMesh, between, divided, grid, joined, with_middles
 from .stress_node import StressNode
 from .wheelset import MeshSize, Wheelset
-
-Real = NDArray[np.float64]
 
 GRADING = 2.0
 """Exponent by which axle elements get thinner towards the surface, where the stress is wanted."""

@@ -20,9 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from ..runtime.arrays import Complex, Real
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Order of stress components: x along the track, y to the left along the axle, z up."""

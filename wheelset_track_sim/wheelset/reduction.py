@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Complex, Real
 from ..runtime.cache import cached, digest
+from ..runtime.progress import Progress
 from ..samples import principal
 from . import equipment as wheelset_equipment
 from . import harmonic_elements, section_mesh, stress_node, stress_points
@@ -24,10 +24,6 @@ from .reduced import ReducedWheelset
 from .section_mesh import SectionMesh
 from .stress_points import StressPoints
 from .wheelset import Wheelset
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Progress = Callable[[str, float], None]
 
 MAX_FREQUENCY = 6000.0
 """Hz; modes to here give receptances and stresses to 2500 Hz within 1 %."""

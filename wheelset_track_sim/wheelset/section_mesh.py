@@ -10,7 +10,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from ..runtime.arrays import Real
 
 RESOLUTION = 1e-9
 """Nodes nearer than this are one, m."""

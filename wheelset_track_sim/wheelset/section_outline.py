@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from .imported import ImportedWheelset
 from .mesh import section_blocks
 from .reduced import ReducedWheelset
 from .wheelset import Wheelset
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,19 +14,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from ..errors import InputError
 from ..inputs.schema import unknown
+from ..runtime.arrays import Real
 from .harmonic_elements import free_unknowns, nodal_stress, stiffness_and_mass
 from .harmonics import on_surface
 from .mesh import axle_mesh, wheelset_mesh
 from .section_mesh import SectionMesh
 from .stress_points import in_axes, on_axle
 from .wheelset import Wheelset
-
-Real = NDArray[np.float64]
 
 
 def lame_pressure(youngs_modulus: float, interference: float, radius: float, outer_radius: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from ..runtime.arrays import Real
 from ..samples import principal
 from . import mesh as wheelset_mesh
 from .harmonic_elements import shape_functions
@@ -19,7 +20,6 @@ from .section_mesh import RESOLUTION, SectionMesh
 from .stress_node import StressNode
 from .wheelset import Wheelset
 
-Real = NDArray[np.float64]
 Scalar = TypeVar("Scalar", np.float64, np.complex128)
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.arrays import Real
 from ...runtime.jit import block_kernel, summing_kernel
 from .panel_kernels import PANEL, Vector, add_scaled, clear, dot, dot_4, row, width
 
@@ -24,9 +25,9 @@ class Differences(NamedTuple):
     """Slots taken by removed and by added elements, (2,)."""
     slot: NDArray[np.int64]
     """Of each place in the order; -1 where there is none, (m,)."""
-    rows: NDArray[np.float64]
+    rows: Real
     """By slot: column of L^-1 of a removed element, row of L of an added one, between the columns in use."""
-    gram: NDArray[np.float64]
+    gram: Real
     """Matrix of the system, by slots, below the diagonal and on it."""
     load: Vector
     """Right-hand side of the overlap, by slot."""
@@ -76,7 +77,7 @@ def out_of_order(in_contact: NDArray[np.bool_], n: int, marks: NDArray[np.uint8]
 
 
 @summing_kernel
-def products(rows: NDArray[np.float64], begin: int, end: int, own: Vector, low: int, high: int, sums: Vector) -> None:
+def products(rows: Real, begin: int, end: int, own: Vector, low: int, high: int, sums: Vector) -> None:
     """Fill ``sums[begin:end]`` with products of those ``rows`` with ``own``, from column ``low`` to ``high``."""
     for o in range(begin, end, 4):
         sums[o], sums[o + 1], sums[o + 2], sums[o + 3] = dot_4(
@@ -137,9 +138,7 @@ def take_in(
 
 
 @block_kernel
-def triangular_system(
-    d: Differences, places: NDArray[np.int64], Q: NDArray[np.float64], pivot: Vector
-) -> tuple[float, float]:
+def triangular_system(d: Differences, places: NDArray[np.int64], Q: Real, pivot: Vector) -> tuple[float, float]:
     """Put the system of the elements at ``places`` (k,) into ``Q`` and eliminate, with inverse pivots.
 
     It is filled up to fours with equations of their own, and columns with its right-hand sides follow. Rows stay
@@ -193,7 +192,7 @@ def solve_system(
     factor: Vector,
     d: Differences,
     places: NDArray[np.int64],
-    Q: NDArray[np.float64],
+    Q: Real,
     pivot: Vector,
     lost: float,
     x: Vector,

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.arrays import Real
 from ..geometry import ContactGeometry
 from ..hertz import HertzContact
 from ..influence import influence_table
@@ -20,9 +21,9 @@ MOST_ELEMENTS = 1536
 def nested_contacts(
     geometry: ContactGeometry,
     wheel: int,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    separation: NDArray[np.float64],
+    x: Real,
+    y: Real,
+    separation: Real,
 ) -> NestedContacts:
     """Elements of the area ``x`` by ``y``, m, under ``wheel`` (0 or 1), up to MOST_ELEMENTS.
 
@@ -59,9 +60,7 @@ def no_nested_contacts() -> NestedContacts:
     )
 
 
-def _order(
-    geometry: ContactGeometry, wheel: int, separation: NDArray[np.float64]
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _order(geometry: ContactGeometry, wheel: int, separation: Real) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Indices i and j of the elements, in whole panels, sorted by the size of the contact that they are at the edge of.
 
     The ellipse of contact is a little slimmer than the ellipses of equal separation (Hertz), which the separation along
@@ -81,7 +80,7 @@ def _order(
 @lru_cache(maxsize=4)
 def _factor(
     youngs_modulus: float, poissons_ratio: float, dx: float, dy: float, i: tuple[int, ...], j: tuple[int, ...]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float, float]:
+) -> tuple[Real, Real, Real, float, float]:
     di, dj = (np.abs(np.subtract.outer(index, index)) for index in (np.array(i), np.array(j)))
     table = influence_table(di.max() + 1, dj.max() + 1, dx, dy, youngs_modulus, poissons_ratio)
     factor = factored(table[di, dj])

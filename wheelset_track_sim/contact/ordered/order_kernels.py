@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.arrays import Real
 from ...runtime.jit import block_kernel, inner_kernel
 from .panel_kernels import PANEL, Vector, dot, row, width
 
@@ -45,9 +46,9 @@ class NestedContacts(NamedTuple):
 def gaps_in_order(
     nested: NestedContacts,
     shape: tuple[int, int],
-    tread: NDArray[np.float64],
+    tread: Real,
     rail_row: NDArray[np.int32],
-    rail: NDArray[np.float64],
+    rail: Real,
     tread_index: int,
     rail_index: int,
     highest: float,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...runtime.arrays import Real
 from ...runtime.jit import block_kernel, inner_kernel, summing_kernel
 
 Vector = NDArray[np.float64]
@@ -93,7 +94,7 @@ def multiply_transposed(rows: Vector, end: int, b: Vector, low: int, high: int, 
 
 
 @block_kernel
-def factored(K: NDArray[np.float64]) -> Vector:
+def factored(K: Real) -> Vector:
     """Cholesky factor L, K = L L^T, in panels; NaN if K (n, n) is not positive definite. n in whole panels."""
     n = len(K)
     L = np.zeros(row(n))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import SubFigure
 
+from ...runtime.progress import Progress
 from ...scenario.scenario import WHEELS, Profiles, Scenario
 from ...simulation.models import described
 from ...studies.drawing import new_figure
@@ -19,9 +20,6 @@ from .profiles import draw_profiles
 from .supports import draw_supports, uneven
 from .surfaces import Surface, draw_along, draw_map, irregular_surfaces
 from .wheelset import draw_wheelset
-
-Progress = Callable[[str, float], None]
-
 
 SPACE = 0.1
 """Space below the title and above the note, inches."""

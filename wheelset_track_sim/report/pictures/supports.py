@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from ...runtime.arrays import Real
 from ...track.supports import Along, along
 from ...track.track import Track
 from ..figures import COLOURS
-
-Real = NDArray[np.float64]
 
 RAILS = ("rail 1", "rail 2")
 

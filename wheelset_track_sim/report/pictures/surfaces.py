@@ -7,14 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from ...irregularities import line_steps, rail_heights, tread_heights
 from ...irregularities.surface import RAILS
+from ...runtime.arrays import Real
 from ...scenario.scenario import WHEELS, Scenario
 from ..figures import COLOURS
-
-Real = NDArray[np.float64]
 
 HALF_WIDTH = 0.036
 """Half of the width that is shown, m: that of the head of a 60E1 rail."""

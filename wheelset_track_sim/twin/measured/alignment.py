@@ -16,9 +16,8 @@ from scipy.fft import next_fast_len
 from scipy.optimize import minimize_scalar
 
 from ...errors import InputError
+from ...runtime.arrays import Real
 from .resampling import band_limited, shifted
-
-Real = NDArray[np.float64]
 
 OVERLAP = 0.5
 """Share of the shorter record that both must have."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...inputs.schema import Quantity, check, quantity, unknown
+from ...runtime.arrays import Real
 from ...samples.block import SampleBlock
 from ...wheelset.reduced import COMPONENTS
 from .alignment import Lag, align
@@ -19,8 +19,6 @@ from .impacts import Pair, paired
 from .measurement import UNITS, Axis, Measurement
 from .measures import Measures, measures
 from .resampling import evenly
-
-Real = NDArray[np.float64]
 
 WHEELS = ("wheel_1", "wheel_2")
 LAG = Quantity("", -1e9, 1e9, "the lag about, in s or m")

@@ -22,7 +22,8 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from .measurement import Axis, Measurement, Real
+from ...runtime.arrays import Real
+from .measurement import Axis, Measurement
 
 AXES: dict[str, tuple[Axis, float]] = {
     "s": ("time", 1.0),

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...runtime.arrays import Real
 
-Real = NDArray[np.float64]
 Axis = Literal["time", "position"]
 UNITS: dict[Axis, str] = {"time": "s", "position": "m"}
 

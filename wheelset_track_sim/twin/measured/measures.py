@@ -18,11 +18,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...runtime.arrays import Real
 from .alignment import correlation
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

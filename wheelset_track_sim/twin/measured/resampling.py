@@ -17,8 +17,9 @@ from scipy.interpolate import make_interp_spline
 from scipy.special import i0
 
 from ...errors import InputError
+from ...runtime.arrays import Real
 from ...samples.decimation import PASSBAND, REACH
-from .measurement import Measurement, Real
+from .measurement import Measurement
 
 WIDEST = 3.0
 """Steps between two samples of an uneven axis at most: more is a gap."""
