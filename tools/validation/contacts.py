@@ -13,7 +13,7 @@ from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Breakout
 
 from .page import exponent, paragraphs, table
-from .store import recall, this_module
+from .store import recall
 
 GRIDS = ((1e-3, 1e-3), (1e-3, ELEMENT_WIDTH), (5e-4, 5e-4))
 """Lengths and widths of elements, m; the second is what the software runs on."""
@@ -75,9 +75,8 @@ def _half_spaces() -> Any:
 
 def section() -> str:
     """Text of the section."""
-    here = this_module(__name__)
-    hertz = recall("hertz", [FORCES], _hertz, here)
-    spaces = recall("half-spaces", [[name, tread] for name, _, tread in DEFECTS], _half_spaces, here)
+    hertz = recall("hertz", [FORCES], _hertz)
+    spaces = recall("half-spaces", [[name, tread] for name, _, tread in DEFECTS], _half_spaces)
     near = [
         [f"{name}, {dx * 1e3:g} × {dy * 1e3:g} mm", force / 1e3, pressure / 1e9, 100 * of_force, 100 * of_pressure]
         for name, dx, dy, force, of_force, of_pressure, pressure in hertz

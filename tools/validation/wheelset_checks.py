@@ -21,7 +21,7 @@ from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.stress_points import around_axle
 from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
 
-from .store import ROOT, recall, this_module
+from .store import ROOT, recall
 
 Real = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def facts(changes: tuple[str, ...] = ()) -> dict[str, Any]:
         scenario = load_scenario("undamaged", [f"wheelset.{change}" for change in changes])
         return _facts(reduced_wheelset(load_wheelset(scenario.wheelset)))
 
-    found: dict[str, Any] = recall("wheelset", list(changes), compute, this_module(__name__))
+    found: dict[str, Any] = recall("wheelset", list(changes), compute)
     return found
 
 
@@ -99,9 +99,10 @@ def _elements() -> Any:
 
 def _bricks() -> Any:
     """Harmonic elements against 20-node bricks on the same section mesh: modes and statics."""
-    sys.path.insert(0, str(ROOT / "tests" / "validation"))
+    sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests" / "validation")]
     from test_wheelset_bricks import Pair, on_bricks
-    from wheelset_bricks import bricks
+
+    from support.wheelset_bricks import bricks
 
     x40 = load_wheelset("x40")
     mesh = wheelset_mesh(x40, COARSE)
@@ -139,14 +140,14 @@ def _bricks() -> Any:
 
 def fine() -> Any:
     """Facts of the X40 on a mesh of half the size."""
-    return recall("wheelset-fine", 2, _fine, this_module(__name__))
+    return recall("wheelset-fine", 2, _fine)
 
 
 def elements() -> Any:
     """Static stresses by the finite elements."""
-    return recall("wheelset-elements", 1, _elements, this_module(__name__))
+    return recall("wheelset-elements", 1, _elements)
 
 
 def compared_with_bricks() -> Any:
     """Modes and statics of both models."""
-    return recall("bricks", SECTORS, _bricks, this_module(__name__))
+    return recall("bricks", SECTORS, _bricks)

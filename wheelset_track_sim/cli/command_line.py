@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
-from .. import __version__
 from ..errors import InputError, WheelsetTrackError
 from ..inputs import shipped
 from ..runtime.memory import keep_freed_memory
+from ..version import __version__
 
 if TYPE_CHECKING:
     from ..bags.settings import RecordSettings

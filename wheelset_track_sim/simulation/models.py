@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 
-from .. import __version__
 from ..contact.geometry import ContactGeometry
 from ..contact.law import build_contact_law
 from ..contact.law_kernels import ContactLaw
@@ -27,6 +26,7 @@ from ..track.balance import moving_track
 from ..track.line import track_line
 from ..track.ring import MAX_FREQUENCY
 from ..track.track import Track, load_track
+from ..version import __version__
 from ..wheelset.kinds import AnyWheelset, load_any_wheelset, reduce_wheelset
 from ..wheelset.reduced import ReducedWheelset
 from ..wheelset.wheelset import Wheelset

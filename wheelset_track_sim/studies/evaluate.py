@@ -5,15 +5,14 @@ from __future__ import annotations
 import dataclasses
 import threading
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from .. import __version__, contact, dynamics, irregularities, samples, simulation, track, wheelset
 from ..errors import WheelsetTrackError
 from ..irregularities import rail_heights, tread_heights
 from ..irregularities.surface import RAILS
+from ..runtime import sources
 from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
@@ -22,6 +21,7 @@ from ..samples.summary import Summary, combine, summarise
 from ..scenario.scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
+from ..version import __version__
 from .outputs import value_of
 
 INSTANTS = ("reference", "max_force")
@@ -81,10 +81,9 @@ class Result:
     ``.x`` and ``.y`` in m and ``.at``: position in m, force in N, y of the rolling circle in m."""
 
 
-@cache
 def program() -> str:
-    """Digest of the program: its version and the sources that simulate."""
-    return digest(__version__, contact, dynamics, irregularities, samples, simulation, track, wheelset)
+    """Digest of the program: its version and the sources of a run."""
+    return sources.program(__name__)
 
 
 def evaluate(job: Job, made_for: str) -> Result:

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from .. import __version__
 from ..report.published import published_case
 from ..scenario.scenario import Scenario
+from ..version import __version__
 from .axes import Axis, Point
 from .evaluate import Result
 from .outputs import value_of
