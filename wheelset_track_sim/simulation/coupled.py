@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from ..contact.solutions import solver
-from ..errors import ContactError
+from ..errors import ContactError, DivergenceError
 from ..runtime.arrays import Real
 from .changes import Condition
 from .coupled_kernels import run
@@ -45,7 +45,8 @@ class Coupled:
         """Forces (n, 2) N and stress components (n, S) Pa of the next n steps at ``speed`` m/s.
 
         ``preload`` (n, 2) m is that of each step; ``ahead`` are the speeds that come next. The steps
-        are fewer if a contact problem has no solution behind them; ContactError is raised if it is the first.
+        are fewer if a contact problem has no solution after them; ContactError is raised if it is the first. Raises
+        DivergenceError if a sample is not finite.
         """
         self._make_ready(speed, ahead)
         law, steps = condition.law, len(preload)
@@ -78,8 +79,9 @@ class Coupled:
                 if done == 0:
                     self._refuse(preload, xi)
                 break
-        self._xi = xi[:done]
-        return forces[:done], stress[:done]
+        forces, stress, self._xi = forces[:done], stress[:done], xi[:done]
+        require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress)
+        return forces, stress
 
     def _make_ready(self, speed: float, ahead: Sequence[float]) -> None:
         """Wait for the coefficients of ``speed`` if they are under way, have those of coming ones begun.
@@ -110,3 +112,19 @@ class Coupled:
             f"the contact problem of step {self._next} has no solution: approach of wheel 1 and 2 is "
             f"{approach[0]:g} and {approach[1]:g} m, beyond what half-spaces of this size can carry"
         )
+
+
+def require_finite(first_step: int, **samples: Real) -> None:
+    """Raise DivergenceError if any of the samples (n, ...) from ``first_step`` on is not finite.
+
+    The error names the first such step and the values of all samples at that step.
+    """
+    if all(np.isfinite(values).all() for values in samples.values()):
+        return
+    bad = np.any([~np.isfinite(values.reshape(len(values), -1)).all(axis=1) for values in samples.values()], axis=0)
+    row = int(bad.argmax())
+    shown = ", ".join(
+        f"{name} {np.array2string(values[row].ravel(), precision=6, max_line_width=10**9)}"
+        for name, values in samples.items()
+    )
+    raise DivergenceError(f"step {first_step + row} is not finite ({shown}): the models at this speed are not stable")

@@ -20,6 +20,7 @@ from ..dynamics.running_wheelset import running_wheelset, truncated
 from ..errors import InputError
 from ..irregularities import Irregularity, line_steps
 from ..runtime.cache import digest
+from ..runtime.jit import compiled_meanwhile
 from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..track.balance import moving_track
@@ -30,8 +31,10 @@ from ..version import __version__
 from ..wheelset.kinds import AnyWheelset, load_any_wheelset, reduce_wheelset
 from ..wheelset.reduced import ReducedWheelset
 from ..wheelset.wheelset import Wheelset
-from .compilation import compiled_meanwhile
 from .contact_geometry import contact_geometry
+
+KERNELS = f"{__package__}.compilation"
+"""Module that compiles the kernels of a run when it is executed."""
 
 
 @dataclass(eq=False)
@@ -124,7 +127,7 @@ def load_models(
     """Models of a scenario, ``tables`` as for ``build_contact_law``; raises InputError for what cannot be used."""
     if scenario.dynamics == "paper":
         return _models(scenario, progress, tables)
-    with compiled_meanwhile():
+    with compiled_meanwhile(KERNELS):
         models = _models(scenario, progress, tables)
         models.contact_law((), progress)
     return models

@@ -16,7 +16,6 @@ from ..scenario.scenario import Scenario
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
-from .finite import require_finite
 from .handover import handover
 from .instants import Contact
 from .models import Models, load_models
@@ -215,7 +214,6 @@ class Simulator:
         self._preload = self._loading.at(times)
         forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
         self._forces = forces[-1]
-        require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
         stresses[self._models.dynamics.stress_rows] = stress.T
