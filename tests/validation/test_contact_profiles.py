@@ -7,8 +7,8 @@ from test_contact_half_space import half_space
 from wheelset_track_sim.contact import (
     ContactGeometry,
     HertzContact,
-    Pair,
     Points,
+    ProfilePair,
     RailHead,
     Straight,
     approach_for_force,
@@ -50,7 +50,7 @@ def test_crowned_wheel_on_crowned_rail_is_hertz(wheel_crown):
     """Elliptic contacts in closed form: a convex tread and a hollow one, on R300."""
     y = np.arange(-160, 161) * 2.5e-4
     tread = Points(y, -np.sign(wheel_crown) * (abs(wheel_crown) - np.sqrt(wheel_crown**2 - y**2)), noisy=False)
-    law = law_of(ContactGeometry(pairs=(Pair(tread, RailHead((0.3,), (0.036,))),) * 2))
+    law = law_of(ContactGeometry(pairs=(ProfilePair(tread, RailHead((0.3,), (0.036,))),) * 2))
     theory = HertzContact(0.43175, 1 / (1 / 0.3 + 1 / wheel_crown), ContactGeometry().contact_modulus)
     for force in (50e3, 98.1e3, 200e3):
         patch = solve_patch(law, 0, 0, 0, theory.approach(force))
@@ -59,7 +59,7 @@ def test_crowned_wheel_on_crowned_rail_is_hertz(wheel_crown):
 
 
 def test_cone_on_a_round_rail_is_hertz_beside_the_middle():
-    law = law_of(ContactGeometry(pairs=(Pair(Straight(1 / 40), RailHead((0.3,), (0.036,))),) * 2))
+    law = law_of(ContactGeometry(pairs=(ProfilePair(Straight(1 / 40), RailHead((0.3,), (0.036,))),) * 2))
     inside = 0.3 * np.sin(np.arctan(1 / 40))
     for wheel, at in ((0, inside), (1, -inside)):
         radius = 0.43175 + inside / 40

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from support.wheelset_bricks import Bricks, bricks
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
-from wheelset_track_sim.wheelset.harmonics import HARMONICS, Harmonic, harmonic
+from wheelset_track_sim.wheelset.harmonics import HARMONICS, HarmonicModel, harmonic
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.stress_points import around_axle
@@ -39,7 +39,7 @@ def pair() -> Pair:
     return Pair(x40, mesh, bricks(x40, mesh, SECTORS))
 
 
-def on_bricks(pair: Pair, model: Harmonic, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+def on_bricks(pair: Pair, model: HarmonicModel, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Displacements of a harmonic at the free unknowns of the bricks."""
     u_r, u_y, u_t = (model.free @ unknowns).reshape(-1, 3).T
     field = np.zeros((len(pair.solid.points), 3))

@@ -7,7 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from wheelset_track_sim.contact import ContactGeometry, HertzContact, Pair, RailHead, build_contact_law, solve_patch
+from wheelset_track_sim.contact import (
+    ContactGeometry,
+    HertzContact,
+    ProfilePair,
+    RailHead,
+    build_contact_law,
+    solve_patch,
+)
 from wheelset_track_sim.contact.law import ELEMENT_WIDTH
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Breakout
@@ -37,7 +44,7 @@ def missing() -> list[str]:
 def _hertz() -> Any:
     rows = []
     for name, head in (("R300", RailHead(radii=(0.3,), ends=(0.036,))), ("60E1", RailHead())):
-        geometry = ContactGeometry(pairs=(Pair(rail=head),) * 2)
+        geometry = ContactGeometry(pairs=(ProfilePair(rail=head),) * 2)
         theory = HertzContact(geometry.wheel_radius, 0.3, geometry.contact_modulus)
         for dx, dy in GRIDS:
             law = build_contact_law([], geometry, dx, round(2.713 / dx), dy=dy, tables=False)

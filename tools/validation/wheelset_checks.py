@@ -99,10 +99,9 @@ def _elements() -> Any:
 
 def _bricks() -> Any:
     """Harmonic elements against 20-node bricks on the same section mesh: modes and statics."""
-    sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests" / "validation")]
+    sys.path.insert(0, str(ROOT / "tests" / "validation"))
     from test_wheelset_bricks import Pair, on_bricks
-
-    from support.wheelset_bricks import bricks
+    from wheelset_bricks import bricks
 
     x40 = load_wheelset("x40")
     mesh = wheelset_mesh(x40, COARSE)

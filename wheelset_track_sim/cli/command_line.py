@@ -194,11 +194,11 @@ def _add_study(commands: _Commands) -> None:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ..studies.conduct import Place
+    from ..studies.conduct import Resources
     from .study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return study(options.study, changes, options.out, Place(options.workers, options.scheduler))
+    return study(options.study, changes, options.out, Resources(options.workers, options.scheduler))
 
 
 def _add_report(commands: _Commands) -> None:

@@ -21,7 +21,7 @@ from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..twin.measured.csv_file import WHEELS, read_csv, write_csv
-from ..twin.measured.resampling import evenly
+from ..twin.measured.measurement import evenly
 from ..wheelset.kinds import load_any_wheelset, reduce_wheelset
 from ..wheelset.reduced import COMPONENTS
 from .console import terminal

@@ -28,7 +28,7 @@ STEEP = 0.25
 """Slope up to which points are smoothed together: no contact is solved on what is steeper (``geometry.STEEPEST``)."""
 
 
-class Profile(Protocol):
+class LateralProfile(Protocol):
     """A lateral profile."""
 
     @property
@@ -205,7 +205,7 @@ class Points:
         return np.where((y >= part[0]) & (y <= part[-1]), smooth, rest)
 
 
-def inclined(rail: Profile, tangent: float) -> Profile:
+def inclined(rail: LateralProfile, tangent: float) -> LateralProfile:
     """A rail leaning to the middle of the track by ``tangent``, such as 1/40; y = 0 stays where it is."""
     if tangent == 0.0:
         return rail
@@ -222,7 +222,7 @@ def inclined(rail: Profile, tangent: float) -> Profile:
     return Points(across[first:last], up[first:last], noisy=False)
 
 
-def gauge_face(rail: Profile, below: float = 0.014) -> float:
+def gauge_face(rail: LateralProfile, below: float = 0.014) -> float:
     """Where the inner side of a rail is ``below`` its top, y in m; the gauge is measured there (EN 13848-1).
 
     Raises InputError if the profile ends above that.

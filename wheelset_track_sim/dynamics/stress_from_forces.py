@@ -1,9 +1,9 @@
 """Axle stresses from given contact forces alone (Section 2.4): no track, no contact.
 
 The wheelset answers with its poles, and at once with what they leave of the static stress. The step is that of the
-simulation (``simulation.hold``), exact for forces that are linear between samples. A straight line between samples of
+simulation (``hold``), exact for forces that are linear between samples. A straight line between samples of
 a wave of frequency f is lower than the wave by ``sinc(f dt)^2``, 12 % at a fifth of the sampling rate: so a record with
-fewer than ``RATE`` samples a second is first sampled more finely, in its own band (``measured.resampling``).
+fewer than ``RATE`` samples a second is first sampled more finely, in its own band (``samples.resampling``).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from ..errors import InputError
 from ..runtime.arrays import Real
-from ..twin.measured.resampling import band_limited
+from ..samples.resampling import band_limited
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from .hold import hold
 from .stress_rows import stress_rows

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.geometry import OUTWARDS, ContactGeometry, Pair
+from ..contact.geometry import OUTWARDS, ContactGeometry, ProfilePair
 from ..contact.profile_points import COMPUTED, ProfilePoints, load_points
-from ..contact.profiles import Points, Profile, RailHead, Straight, gauge_face, inclined
+from ..contact.profiles import LateralProfile, Points, RailHead, Straight, gauge_face, inclined
 from ..errors import InputError
 from ..scenario.scenario import WHEELS, Scenario
 from ..wheelset.kinds import AnyWheelset
 
-FORMS: dict[str, Profile] = {
+FORMS: dict[str, LateralProfile] = {
     "cylinder": Straight(),
     "cone_1_40": Straight(1 / 40),
     "cone_1_20": Straight(1 / 20),
@@ -40,7 +40,7 @@ def contact_geometry(scenario: Scenario, wheelset: AnyWheelset) -> ContactGeomet
             except InputError as refusal:
                 raise InputError(f"profiles.rail_{number}: {refusal}") from None
         try:
-            pairs.append(Pair(wheel, rail, shift))
+            pairs.append(ProfilePair(wheel, rail, shift))
         except InputError:
             raise InputError(
                 f"{name} is {abs(shift):.3g} m {'outside' if shift > 0 else 'inside'} the middle of its rail, beside "
@@ -49,7 +49,7 @@ def contact_geometry(scenario: Scenario, wheelset: AnyWheelset) -> ContactGeomet
     return ContactGeometry(wheel_radius=wheelset.rolling_radius, pairs=(pairs[0], pairs[1]))
 
 
-def _profile(where: str, side: str, source: Any) -> Profile:
+def _profile(where: str, side: str, source: Any) -> LateralProfile:
     try:
         if isinstance(source, str) and source in COMPUTED[side]:
             return FORMS[source]

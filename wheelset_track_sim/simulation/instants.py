@@ -48,7 +48,7 @@ class Instant:
     """Place on the circumference of the wheel that met the rail there, rad, from 0 to below 2 pi."""
 
 
-class Running(Protocol):
+class WheelContacts(Protocol):
     """A run that hands over the contacts of its latest block, as ``Simulator`` does."""
 
     @property
@@ -70,7 +70,7 @@ class Contacts:
         self.worst: tuple[Instant, ...] = ()
         """Likewise: at the first step with the largest force."""
 
-    def push(self, run: Running, block: SampleBlock) -> None:
+    def push(self, run: WheelContacts, block: SampleBlock) -> None:
         """Take in ``block``, the latest of ``run``."""
         if len(block) == 0:
             return
@@ -85,7 +85,7 @@ class Contacts:
         )
 
 
-def _instant(run: Running, block: SampleBlock, wheel: int, row: int) -> Instant:
+def _instant(run: WheelContacts, block: SampleBlock, wheel: int, row: int) -> Instant:
     contact, turn = run.contact(wheel, row), run.steps_per_revolution
     return Instant(
         contact=contact,

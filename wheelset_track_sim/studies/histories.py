@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from ..errors import InputError
 from ..inputs.schema import unknown
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from ..runtime.arrays import Real
 from ..scenario.scenario import WHEELS
 from ..track.track import load_track
@@ -102,7 +102,7 @@ class Histories:
     def draw(self, results: Results, out: Path) -> list[Path]:
         """Write the figure as PNG and SVG."""
         heights = [1 if panel.of == "irregularity" else 2 for panel in self.panels]
-        with drawing.new_figure(0.9 + 1.55 * sum(heights), self.title, results.made_by) as figure:
+        with new_figure(0.9 + 1.55 * sum(heights), self.title, results.made_by) as figure:
             stacked = figure.subplots(len(self.panels), 1, sharex=True, squeeze=False, height_ratios=heights).ravel()
             for axes, panel in zip(stacked, self.panels, strict=True):
                 self._panel(axes, panel, results)

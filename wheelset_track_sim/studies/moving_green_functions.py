@@ -11,7 +11,7 @@ import numpy as np
 from ..dynamics.green_functions import integrated
 from ..dynamics.hold import hold_coefficients
 from ..dynamics.moving_green_functions import moving_green_functions
-from ..report.figures import COLOURS, finish
+from ..report.figures import COLOURS, finish, new_figure
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
@@ -79,7 +79,7 @@ def _figure(
         f"paper's functions of the loaded rail lack {missing[0]:.0f} pm/N above a sleeper and {missing[1]:.0f} pm/N "
         "mid-bay of the causal ones."
     )
-    with drawing.new_figure(6.6, title, made) as figure:
+    with new_figure(6.6, title, made) as figure:
         axes = figure.subplots(2, 2, width_ratios=(1.1, 1))
         for row, rail in enumerate(CLOSE):
             for index, start in enumerate(STARTS):

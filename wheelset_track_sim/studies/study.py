@@ -25,7 +25,7 @@ from .registry import check_figure
 
 
 @dataclass(frozen=True)
-class Window:
+class EvaluationWindow:
     """Track over which a run is evaluated, around the place where angle 0 of the treads meets the rail.
 
     The default is the paper's: three sleeper bays (Section 5.4), with the defect in their middle.
@@ -39,7 +39,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Run:
+class StudyRun:
     """One run of a study."""
 
     points: tuple[Point, ...]
@@ -69,7 +69,7 @@ class Study:
     """Dotted scenario keys that differ from the base scenario in all runs."""
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
-    window: Window = field(default_factory=Window)
+    window: EvaluationWindow = field(default_factory=EvaluationWindow)
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -124,7 +124,7 @@ class Study:
             override(data, change)
         return data
 
-    def runs(self, changes: Sequence[str] = ()) -> tuple[Run, ...]:
+    def runs(self, changes: Sequence[str] = ()) -> tuple[StudyRun, ...]:
         """All runs, the last axis varied fastest; raises InputError for the first that cannot be simulated."""
         if not self.has_runs:
             return ()
@@ -136,7 +136,7 @@ class Study:
 
     def _run(
         self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...], described: _Described
-    ) -> Run:
+    ) -> StudyRun:
         data = copy.deepcopy(base)
         place = ", ".join(f"{axis.name} {point.label}" for axis, point in zip(axes, points, strict=True))
         try:
@@ -153,7 +153,7 @@ class Study:
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
         kept = (self.outputs, self.histories, self.pressures)
-        return Run(points, Job(scenario, models, self.window.before, self.window.after, *kept))
+        return StudyRun(points, Job(scenario, models, self.window.before, self.window.after, *kept))
 
     def _check(self, scenario: Scenario, stress_nodes: Sequence[str]) -> None:
         """Raise InputError for what the study asks of a run that it does not have."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from ..runtime.arrays import Complex, Real
 from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
@@ -133,7 +133,7 @@ def _figure(
         f"same track's modes. Circles: finite elements, {track_fe.BAYS} bays with clamped ends, "
         f"{track.rail.elements_per_bay} rail elements a bay (Section 4). Static direct: {static}."
     )
-    with drawing.new_figure(6.6, title, made) as figure:
+    with new_figure(6.6, title, made) as figure:
         axes = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=(3, 2))
         for column, (place, curves) in enumerate(waves.items()):
             pair = axes[:, column]

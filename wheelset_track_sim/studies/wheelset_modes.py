@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 
 from ..errors import InputError
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
@@ -76,7 +76,7 @@ def _figure(
         f"largest displacement of {1e3 * mode_drawing.LARGEST:g} mm. Right: section through both contacts; thin lines: "
         "at rest. Wheel 1 on the left."
     )
-    with drawing.new_figure(6.8, title, made) as figure:
+    with new_figure(6.8, title, made) as figure:
         rows = figure.subplots(len(modes), 2, width_ratios=(1, 1.25), squeeze=False)
         for (space, section), mode in zip(rows, modes, strict=True):
             mode_drawing.draw_surface(space, mesh, mode)

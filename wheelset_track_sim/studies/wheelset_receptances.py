@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dynamics.green_functions import frequency_grid, green_function
 from ..errors import InputError
-from ..report.figures import COLOURS, finish
+from ..report.figures import COLOURS, finish, new_figure
 from ..runtime.arrays import Complex, Real
 from ..runtime.progress import Progress
 from ..scenario.scenario import Scenario
@@ -72,7 +72,7 @@ def _receptances(out: Path, wheelset: Wheelset, reduced: ReducedWheelset, freque
     curves = {WHEEL_1: receptance[:, 0, 0], WHEEL_2: receptance[:, 1, 1], CROSS: receptance[:, 1, 0]}
     title = f"Wheelset {wheelset.name}: receptances at the wheel–rail contacts"
     made = f"{made_by(reduced)}. Both dynamics use it. Static: {_static(reduced)}."
-    with drawing.new_figure(6.4, title, made) as figure:
+    with new_figure(6.4, title, made) as figure:
         axes = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
         drawing.over_frequency(axes, frequencies, curves, "receptance (m/N)")
         paths = drawing.save(out, "wheelset_receptances", figure)
@@ -95,7 +95,7 @@ def _stress(out: Path, wheelset: Wheelset, reduced: ReducedWheelset, frequencies
         f"{made_by(reduced)}, with static residual; used by both dynamics. "
         f"Static: {static[0]:.0f} and {static[1]:.0f} Pa/N."
     )
-    with drawing.new_figure(6.4, title, made) as figure:
+    with new_figure(6.4, title, made) as figure:
         axes = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
         drawing.over_frequency(axes, frequencies, curves, "stress over force (Pa/N)")
         drawing.label_peaks(axes[0], frequencies, np.abs(response).max(axis=1), 5)
@@ -118,7 +118,7 @@ def _green_functions(out: Path, wheelset: Wheelset, reduced: ReducedWheelset, sc
         "the paper sets it to zero. Causal dynamics: sum of the modes, without a band limit of its own. "
         f"{made_by(reduced)}."
     )
-    with drawing.new_figure(6.6, title, made) as figure:
+    with new_figure(6.6, title, made) as figure:
         whole, close = figure.subplots(2, 1)
         early = time <= CLOSE
         for row, look in ((1, CROSS), (0, WHEEL_1)):

@@ -99,7 +99,7 @@ class Scatter:
 
 
 @dataclass(frozen=True)
-class Line:
+class SupportLine:
     """Supports along a line that repeats after a number of bays."""
 
     bays: int = quantity("", 48, 1000, "the number of bays after which the line repeats", default=80)
@@ -131,7 +131,7 @@ class Along(NamedTuple):
 KINDS = Along._fields[:4]
 
 
-def along(line: Line) -> Along:
+def along(line: SupportLine) -> Along:
     """What a line says of each side of each sleeper; of multiples beyond ``STIFF`` and ``DAMPED`` the limit holds."""
     multiples = {}
     for kind, draws in zip(KINDS, np.random.default_rng(line.scatter.seed).spawn(len(KINDS)), strict=True):

@@ -24,7 +24,7 @@ from typing import Any, Literal
 from ..errors import InputError
 from ..inputs.schema import check, quantity, read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
-from .supports import Line
+from .supports import SupportLine
 
 Half = Literal["symmetric", "antisymmetric"]
 HALVES: tuple[Half, Half] = ("symmetric", "antisymmetric")
@@ -130,7 +130,7 @@ class Track:
     ballast: Ballast | None = None
     spacing: float = quantity("m", 0.2, 3.0, "the sleeper spacing", default=0.6)
     rail_distance: float = quantity("m", 0.3, 3.0, "the distance between the rails", default=1.5)
-    line: Line | None = None
+    line: SupportLine | None = None
     """Supports that differ along the line; None if they are all the same."""
 
     def __post_init__(self) -> None:
@@ -146,7 +146,7 @@ class Track:
         if self.line is not None and self.sleeper is None:
             self._refuse_ballast(self.line)
 
-    def _refuse_ballast(self, line: Line) -> None:
+    def _refuse_ballast(self, line: SupportLine) -> None:
         """Raise InputError for what a line of slab track says about ballast."""
         for index, entry in enumerate(line.supports):
             if entry.gap is not None or entry.ballast_stiffness != 1.0 or entry.ballast_damping != 1.0:

@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from ...errors import InputError
 from ...runtime.arrays import Real
-from .resampling import band_limited, shifted
+from ...samples.resampling import band_limited, shifted
 
 OVERLAP = 0.5
 """Share of the shorter record that both must have."""
