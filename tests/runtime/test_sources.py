@@ -48,7 +48,9 @@ def test_all_builders_are_found() -> None:
     ]
 
 
-@pytest.mark.parametrize("builder", builders())
+@pytest.mark.parametrize(
+    "builder", [pytest.param(name, marks=pytest.mark.slow if "studies" in name else ()) for name in builders()]
+)
 def test_an_edit_changes_the_digest_where_it_can_change_the_model(builder: str, copied: Path) -> None:
     folders, files = {PACKAGE: copied}, modules(copied)
 
