@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from collections import defaultdict
 
 from support.paths import ROOT
@@ -93,3 +95,11 @@ def test_the_page_of_the_method_has_the_layers_in_their_order():
     text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8").partition("## Parts of the package")[2]
     named = [name for row in re.findall(r"^\| (`.*`) \|", text, re.MULTILINE) for name in re.findall(r"`(\w+)`", row)]
     assert named == [name for name in LAYERS if (ROOT / PACKAGE / name).is_dir()]
+
+
+def test_importing_the_simulator_loads_only_what_every_run_needs():
+    """SciPy loads ``scipy.signal`` and the like when they are first used; each of them takes a third of a second."""
+    rarely = ["matplotlib", "mcap", "rosbags", "scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.stats"]
+    code = f"import sys, {PACKAGE}.simulation.simulator; print(*[name for name in {rarely} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []

@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from ..errors import InputError
 from ..runtime.arrays import Real
@@ -191,10 +191,11 @@ class Points:
         return slice(first, last)
 
     @cached_property
-    def _spline(self) -> BSpline:
+    def _spline(self) -> scipy.interpolate.BSpline:
         part = self.running_surface if self.noisy else slice(None)
         y, z = 1e3 * self.y[part], 1e3 * self.z[part]  # in mm, in which neither is far from 1
-        return make_smoothing_spline(y, z) if self.noisy else make_interp_spline(y, z, k=3)
+        splines = scipy.interpolate
+        return splines.make_smoothing_spline(y, z) if self.noisy else splines.make_interp_spline(y, z, k=3)
 
     def height(self, y: ArrayLike) -> Real:
         """Height at ``y``, m."""

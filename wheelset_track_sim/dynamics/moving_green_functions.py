@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ..runtime.arrays import Real
 from ..runtime.cache import cached
@@ -69,7 +69,8 @@ class MovingGreenFunctions:
     @staticmethod
     def _at_steps(table: Real, steps: int) -> Real:
         starts = np.linspace(0.0, 1.0, len(table) + 1)
-        spline = CubicSpline(starts, np.concatenate([table, table[:1]]))  # not smooth at the sleeper: a kink is there
+        # Not periodic, for there is a kink at the sleeper.
+        spline = scipy.interpolate.CubicSpline(starts, np.concatenate([table, table[:1]]))
         values: Real = spline(np.arange(steps) / steps)
         return values
 

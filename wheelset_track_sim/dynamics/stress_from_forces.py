@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from ..errors import InputError
 from ..runtime.arrays import Real
@@ -47,7 +47,7 @@ def stresses_from_forces(
     for pole, inputs, output, a, b0, b1 in zip(wheelset.poles, wheelset.inputs, outputs.T, *step, strict=True):
         load = forces @ inputs
         standing = -load[0] / pole
-        state = lfilter([b1, b0], [1.0, -a], load, zi=np.array([standing - b1 * load[0]]))[0][::finer]
+        state = scipy.signal.lfilter([b1, b0], [1.0, -a], load, zi=np.array([standing - b1 * load[0]]))[0][::finer]
         stress += np.multiply.outer(state.real, output.real) - np.multiply.outer(state.imag, output.imag)
     found = np.zeros((len(stress), len(names) * len(COMPONENTS)))
     found[:, kept] = stress

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from ...errors import InputError
 from ...runtime.arrays import Real
@@ -137,4 +137,5 @@ def evenly(measurement: Measurement, widest: float = WIDEST) -> Even:
             f"{measurement.source} has a gap of {widths[place]:g} behind {at[place]:g}, "
             f"{widths[place] / typical:.1f} steps wide: give up to {widest:g} steps, or one file for each part"
         )
-    return Even(float(at[0]), step, make_interp_spline(at, signals, k=5)(at[0] + step * np.arange(len(at))))
+    spline = scipy.interpolate.make_interp_spline(at, signals, k=5)
+    return Even(float(at[0]), step, spline(at[0] + step * np.arange(len(at))))
