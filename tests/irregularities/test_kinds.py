@@ -31,7 +31,7 @@ from wheelset_track_sim.irregularities import (
     tread_heights,
 )
 from wheelset_track_sim.irregularities.listing import listed
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 
 N_C, DX = 2713, 1e-3
 RADIUS = N_C * DX / (2 * math.pi)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.errors import ContactError, DivergenceError, WheelsetTrackError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.finite import require_finite
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
+from wheelset_track_sim.scenario import SetPoint, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.studies.evaluate import Job, Result, evaluate, program
 

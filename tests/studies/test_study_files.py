@@ -6,7 +6,7 @@ import pytest
 from support.paths import ROOT
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.studies.registry import FIGURES
 from wheelset_track_sim.studies.results import published
 from wheelset_track_sim.studies.study import load_study

@@ -3,7 +3,7 @@
 import pytest
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.twin.what_if import with_settings
 
 SMOOTH = load_scenario("undamaged")

@@ -9,8 +9,8 @@ import yaml
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.wheelset.kinds import load_any_wheelset
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def test_bad_input_is_refused(plain: dict[str, Any], path: str, value: Any, mess
 
 @pytest.mark.parametrize("name", shipped.names("wheelsets"))
 def test_shipped_wheelsets_can_be_used(name: str) -> None:
-    assert load_any_wheelset(name).name == name
+    assert load_wheelset(name).name == name
 
 
 def test_fillets_of_the_x40(x40: Wheelset) -> None:

@@ -5,7 +5,6 @@ Eq. (12) missing material must widen the gap, so there ``r = -height``: the cont
 """
 
 from collections.abc import Iterable, Iterator
-from typing import Union
 
 from .breakout import TREAD_HALF_WIDTH, Breakout
 from .cluster import Cluster, LogNormal, Normal, Uniform
@@ -13,28 +12,14 @@ from .corrugation import Corrugation
 from .flat import Flat
 from .head_defect import HeadDefect, Squat
 from .joint import DippedWeld, Joint
+from .kinds import known_kinds, plain_irregularities, read_irregularities
 from .measured import Profile
 from .polygon import Harmonic, Polygon
 from .roughness import Roughness
 from .surface import Irregularity, Patch, RailHeights, Surface, line_steps, rail_heights, tread_heights
 
-AnyIrregularity = Union[  # noqa: UP007  schema tells them apart by their ``type``
-    Breakout,
-    Cluster,
-    Flat,
-    Polygon,
-    Roughness,
-    Profile,
-    Corrugation,
-    Squat,
-    HeadDefect,
-    Joint,
-    DippedWeld,
-]
-"""Everything that ``irregularities`` of a scenario may hold."""
 
-
-def breakouts(irregularities: Iterable[AnyIrregularity]) -> Iterator[Breakout]:
+def breakouts(irregularities: Iterable[Irregularity]) -> Iterator[Breakout]:
     """All breakouts, those of clusters among them."""
     for each in irregularities:
         if isinstance(each, Cluster):
@@ -45,7 +30,6 @@ def breakouts(irregularities: Iterable[AnyIrregularity]) -> Iterator[Breakout]:
 
 __all__ = [
     "TREAD_HALF_WIDTH",
-    "AnyIrregularity",
     "Breakout",
     "Cluster",
     "Corrugation",
@@ -66,7 +50,10 @@ __all__ = [
     "Surface",
     "Uniform",
     "breakouts",
+    "known_kinds",
     "line_steps",
+    "plain_irregularities",
     "rail_heights",
+    "read_irregularities",
     "tread_heights",
 ]
