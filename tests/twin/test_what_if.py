@@ -31,7 +31,7 @@ def test_a_speed_ends_the_speed_plan() -> None:
 
 def test_models_may_be_set_too() -> None:
     found = with_settings([SMOOTH, BOTH], ["track.spacing=0.65"])
-    assert [each.track["spacing"] for each in found] == [0.65, 0.65]
+    assert [each.track.spacing for each in found] == [0.65, 0.65]
 
 
 @pytest.mark.parametrize(

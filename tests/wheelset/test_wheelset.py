@@ -9,7 +9,7 @@ import yaml
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.wheelset.kinds import load_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, read_wheelset
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 
@@ -30,7 +30,7 @@ def test_mapping_file_and_name_agree(x40: Wheelset, plain: dict[str, Any], tmp_p
     path.write_text(yaml.safe_dump(plain), encoding="utf-8")
     assert load_wheelset(plain) == x40
     assert load_wheelset(path) == x40
-    assert load_wheelset(x40) is x40
+    assert read_wheelset(x40, "wheelset") is x40
     assert [node.name for node in x40.stress_nodes] == ["A1", "B1", "C1"]
 
 

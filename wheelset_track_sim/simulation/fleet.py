@@ -58,7 +58,9 @@ class Fleet:
         pool = ModelPool()
 
         def simulator(scenario: Scenario) -> Simulator:
-            return Simulator(scenario, progress, pool.models(scenario, progress))
+            built = Simulator(scenario, progress, pool.models(scenario, progress))
+            built.settle()
+            return built
 
         self._executor = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)), "wheelset")
         try:

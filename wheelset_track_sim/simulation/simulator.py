@@ -144,7 +144,8 @@ class Simulator:
         """
         if self._coupled is not None:
             raise ValueError("the run has begun: settle a new simulator")
-        scenario, start, first = self.scenario, self._start, self._changes.in_force
+        start, first = self._start, self._changes.in_force
+        scenario = first.scenario  # as of the start, whatever has been accepted since
         of = Settling(scenario.wheel_load, start.step, start.speed)
         if settled is None:
             steps = round(SETTLING / (scenario.step_length / start.speed))
