@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..report.published import published_case
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from ..version import __version__
 from .axes import Axis, Point
 from .evaluate import Result
