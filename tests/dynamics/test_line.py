@@ -12,8 +12,6 @@ from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.line import track_line
 from wheelset_track_sim.track.track import load_track
 
-pytestmark = pytest.mark.slow
-
 STATIC = 98.1e3
 
 

@@ -26,8 +26,6 @@ from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.stress_points import around_axle
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
-pytestmark = pytest.mark.slow
-
 BAND = 1500.0
 
 

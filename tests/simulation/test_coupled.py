@@ -13,8 +13,6 @@ from wheelset_track_sim.simulation.changes import Condition, Revision
 from wheelset_track_sim.simulation.coupled import Coupled
 from wheelset_track_sim.simulation.models import load_models, with_own_state
 
-pytestmark = pytest.mark.slow
-
 RAIL_STEPS = 1200
 
 
