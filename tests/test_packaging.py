@@ -7,7 +7,6 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 import zipfile
-from configparser import ConfigParser
 from pathlib import Path
 
 import pytest
@@ -15,6 +14,7 @@ import pytest
 import wheelset_track_sim
 from support.paths import ROOT
 
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 SCENARIOS = {path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml")}
 MESSAGES = {path.name for path in (ROOT / "msg_defs").glob("*/*") if path.suffix in {".msg", ".srv"}}
 REPORT = {path.name for path in (ROOT / "wheelset_track_sim" / "report").iterdir() if path.suffix in {".css", ".js"}}
@@ -49,17 +49,6 @@ def test_versions_and_licences_agree():
         assert manifest(folder).findtext("version") == wheelset_track_sim.__version__
         assert manifest(folder).findtext("license") == "Apache-2.0"
     assert (ROOT / "resource" / manifest(ROOT).findtext("name")).exists()
-
-
-def test_rosdep_keys_cover_the_requirements():
-    keys = {entry.text for entry in manifest(ROOT).findall("exec_depend")}
-    config = ConfigParser()
-    config.read(ROOT / "setup.cfg")
-    requirements = set(re.findall(r"^[\w.-]+", config["options"]["install_requires"], re.MULTILINE))
-    named = {re.sub(r"^python3-|-pip$", "", key) for key in keys}
-    brought = {"zstandard", "threadpoolctl"}  # by rosbags and sklearn
-    assert requirements - brought == named & requirements
-    assert {"python3-ruamel.yaml", "python3-sklearn", "rclpy", "wheelset_track_msgs"} <= keys
 
 
 def test_data_are_links_to_what_is_kept_at_the_top():
@@ -117,6 +106,17 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
         2,
         ["wheelset-track-sim", " -x is not an argument of the node"],
     )
+
+
+def test_commands_of_the_readme_for_ros_are_those_of_the_script_that_runs_them():
+    [block] = re.findall(r"(?:^    .*\n)*^    rosdep install .*\n(?:^    .*\n)*", README, re.MULTILINE)
+    script = (ROOT / ".ci" / "ros2").read_text(encoding="utf-8").splitlines()
+    first, *commands = [line.partition(" #")[0].strip() for line in block.splitlines()]
+    [installed] = [line.split() for line in script if line.startswith("sudo apt-get install")]
+    assert set(first.removeprefix("sudo apt install ").split()) <= set(installed)
+    places = [next(n for n, line in enumerate(script) if line.startswith(command)) for command in commands]
+    assert len(places) == 7
+    assert places == sorted(places)
 
 
 def setup_env(tree, *extras, **env):
