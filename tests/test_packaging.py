@@ -8,6 +8,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 import zipfile
+from configparser import ConfigParser
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ import wheelset_track_sim
 from support.paths import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+SETUP = (ROOT / "tools" / "setup_env.py").read_text(encoding="utf-8")
 SCENARIOS = {path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml")}
 MESSAGES = {path.name for path in (ROOT / "msg_defs").glob("*/*") if path.suffix in {".msg", ".srv"}}
 REPORT = {path.name for path in (ROOT / "wheelset_track_sim" / "report").iterdir() if path.suffix in {".css", ".js"}}
@@ -49,7 +51,22 @@ def test_versions_and_licences_agree():
     for folder in (ROOT, ROOT / "msg_defs"):
         assert manifest(folder).findtext("version") == wheelset_track_sim.__version__
         assert manifest(folder).findtext("license") == "Apache-2.0"
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [wheelset_track_sim.__version__]
+    assert re.findall(r"^license: (.*)$", citation, re.MULTILINE) == ["Apache-2.0"]
     assert (ROOT / "resource" / manifest(ROOT).findtext("name")).exists()
+
+
+def test_pythons_are_the_same_everywhere():
+    supported = set(re.findall(r"\((\d), (\d+)\)", re.search(r"^SUPPORTED = .*$", SETUP, re.MULTILINE)[0]))
+    versions = {".".join(pair) for pair in supported}
+    config = ConfigParser()
+    config.read(ROOT / "setup.cfg")
+    assert set(re.findall(r"Python :: (\d\.\d+)", config["metadata"]["classifiers"])) == versions
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+    assert set(re.findall(r"\d\.\d+", re.search(r"^ +python: \[(.*)\]$", workflow, re.MULTILINE)[1])) == versions
+    first, *_, last = sorted(versions, key=lambda version: int(version.partition(".")[2]))
+    assert f"Python {first} to {last}" in README
 
 
 def test_data_are_links_to_what_is_kept_at_the_top():
@@ -74,6 +91,7 @@ def files(folder):
     return {str(Path(place, name).relative_to(folder)) for place, _, names in os.walk(folder) for name in names}
 
 
+@pytest.mark.slow
 def test_source_distribution_holds_what_a_clone_holds(tree, unpacked):
     clone = {name for name in files(tree) if not name.startswith((".git", "wheelset_track_sim.egg-info/"))}
     assert clone - files(unpacked) == set()
