@@ -12,7 +12,7 @@ from matplotlib.figure import SubFigure
 
 from wheelset_track_sim.report.figures import COLOURS
 from wheelset_track_sim.report.pictures.scenario import Row, description, rows_of, write_rows
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
+from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.supports import along
 

@@ -10,7 +10,7 @@ from wheelset_track_sim.bags.overview import ChangedKey, changed_keys, overview,
 from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import RecordingError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 
 def copied(path, *groups):

@@ -11,7 +11,7 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.recorder import Recorder
 from wheelset_track_sim.live.run_messages import PAUSED
 from wheelset_track_sim.ros.run import Run
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 pytestmark = pytest.mark.ros

@@ -8,7 +8,7 @@ import pytest
 from wheelset_track_sim.simulation import compilation
 
 SIMULATE = """
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.simulator import Simulator
 Simulator(load_scenario("damage_wheel_1")).advance(10)

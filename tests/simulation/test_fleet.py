@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation import fleet
 from wheelset_track_sim.simulation.fleet import Fleet, ModelPool
 from wheelset_track_sim.simulation.models import load_models

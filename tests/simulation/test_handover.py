@@ -7,7 +7,7 @@ import pytest
 
 from wheelset_track_sim.contact.solutions import force_at
 from wheelset_track_sim.irregularities import Corrugation, Harmonic, Polygon, Roughness
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.handover import FADE, Handover, handover
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.preload import Loading

@@ -12,7 +12,7 @@ import pytest
 
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.studies.conduct import Place, conduct
 from wheelset_track_sim.studies.evaluate import evaluate, program

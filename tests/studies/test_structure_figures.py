@@ -13,7 +13,7 @@ from matplotlib import image
 from wheelset_track_sim.dynamics.causal import causal_model
 from wheelset_track_sim.dynamics.causal_kernels import advance, displacements
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import Output, Scenario, load_scenario
+from wheelset_track_sim.scenario import Output, Scenario, load_scenario
 from wheelset_track_sim.studies import (
     drawing,
     moving_green_functions,
@@ -24,9 +24,9 @@ from wheelset_track_sim.studies import (
 from wheelset_track_sim.track.balance import moving_track
 from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import mode_shapes, reduced_wheelset
-from wheelset_track_sim.wheelset.wheelset import load_wheelset
 
 pytestmark = pytest.mark.slow
 

@@ -18,9 +18,8 @@ from wheelset_track_sim.contact import (
 )
 from wheelset_track_sim.contact.law_kernels import solve_contact, tabulated_force, total_separation
 from wheelset_track_sim.irregularities import Breakout, Roughness
-from wheelset_track_sim.scenario.scenario import load_scenario
-from wheelset_track_sim.simulation.contact_geometry import contact_geometry
-from wheelset_track_sim.wheelset.wheelset import load_wheelset
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +41,7 @@ def own_cache(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["lateral_offset", "worn_profiles"])
 def geometry(request):
-    return contact_geometry(load_scenario(request.param), X40)
+    return load_scenario(request.param).geometry
 
 
 @pytest.mark.parametrize("wheel_crown", [0.5, -0.6])
@@ -73,7 +72,7 @@ def test_cone_on_a_round_rail_is_hertz_beside_the_middle():
 def test_points_of_60e1_bear_as_its_arcs_do():
     arcs = load_scenario("lateral_offset")
     points = load_scenario("lateral_offset", ["profiles.rail_1=head_60e1_points", "profiles.rail_2=head_60e1_points"])
-    exact, sampled = (law_of(contact_geometry(scenario, X40)) for scenario in (arcs, points))
+    exact, sampled = (law_of(scenario.geometry) for scenario in (arcs, points))
     for wheel in (0, 1):
         for force in (30e3, 98.1e3, 300e3):
             approach = approach_for_force(exact, wheel, 0, 0, force)

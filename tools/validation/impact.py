@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wheelset_track_sim.dynamics.causal import CausalModel
 from wheelset_track_sim.dynamics.hold import hold_coefficients
 from wheelset_track_sim.dynamics.moving_green_functions import moving_green_functions
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.track import bloch
 from wheelset_track_sim.track.track import Track, load_track

@@ -10,10 +10,9 @@ import numpy as np
 
 from wheelset_track_sim.contact import approach_for_force
 from wheelset_track_sim.dynamics.paper import PaperModel
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.track import bloch
-from wheelset_track_sim.track.track import load_track
 from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
 from . import sampled
@@ -200,7 +199,7 @@ def _resonance() -> dict[str, float]:
 def _intro(runs: Sequence[Passage], ours: Passage, static_a1: float, slope: float) -> str:
     largest = max(runs, key=lambda run: run.largest[0])
     at, scenario = SPEEDS[list(runs).index(largest)], load_scenario(SMOOTH)
-    passing, resonance = scenario.speed / load_track(scenario.track).spacing, _resonance()
+    passing, resonance = scenario.speed / scenario.track.spacing, _resonance()
     load, wanted = scenario.wheel_load / 1e3, printed(0, "largest", 0) or 0.0
     return (
         f"Both dynamics give {number(ours.largest[0])} and {number(ours.largest[1])} kN (static: {number(load)}) from "

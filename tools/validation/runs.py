@@ -16,7 +16,7 @@ from wheelset_track_sim.dynamics.interface_kernels import advance, displacements
 from wheelset_track_sim.errors import ContactError
 from wheelset_track_sim.runtime.cache import digest
 from wheelset_track_sim.samples.principal import maximum_principal
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
+from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import CHANGEABLE, Simulator
 

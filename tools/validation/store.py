@@ -12,7 +12,7 @@ from typing import Any
 
 from wheelset_track_sim import contact, green, irregularities, simulation, stress, structures
 from wheelset_track_sim.runtime.cache import digest
-from wheelset_track_sim.scenario.scenario import scenario
+from wheelset_track_sim.scenario import scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "results" / "validation"

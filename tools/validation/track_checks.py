@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.signal import argrelmax, argrelmin
 
 from wheelset_track_sim.dynamics.causal import causal_model
-from wheelset_track_sim.scenario.scenario import Scenario
+from wheelset_track_sim.scenario import Scenario
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.track import bay, bloch
 from wheelset_track_sim.track import finite_elements as track_fe

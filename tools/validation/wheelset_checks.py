@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from wheelset_track_sim.samples.principal import maximum_principal
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset, reduced_wheelset
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.stress_points import around_axle
-from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset
 
 from .store import ROOT, recall, this_module
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.table import Table
 
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from ..twin import Resimulation, resimulate
 from ..twin.differences import Difference, Place
 from .console import print_object, terminal

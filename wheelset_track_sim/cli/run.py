@@ -17,7 +17,7 @@ from ..live.run_messages import record
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS, load_scenario
+from ..scenario import WHEELS, load_scenario
 from ..simulation.simulator import Simulator
 from .console import print_object, terminal
 from .progress import shown
@@ -52,6 +52,7 @@ def run(
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
+        simulator.settle()
         push: Callable[[SampleBlock, Summary], None] | None = None
         if out is not None:
             push = stack.enter_context(record(out, simulator, settings=settings, impacts=impacts))

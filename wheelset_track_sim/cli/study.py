@@ -13,7 +13,7 @@ from rich.table import Table as RichTable
 from ..errors import WheelsetTrackError
 from ..inputs import shipped
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario, scenario_from
+from ..scenario import Scenario, scenario_from
 from ..studies.conduct import Place, conduct
 from ..studies.registry import figure
 from ..studies.results import Results

@@ -142,6 +142,16 @@ class Points:
     noisy: bool = True
     """False for points that are exact: all are met, by a spline all along."""
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Points) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @cached_property
+    def _content(self) -> tuple[bytes, bytes, bool]:
+        return self.y.tobytes(), self.z.tobytes(), self.noisy
+
     def __post_init__(self) -> None:
         y, z = self.y, self.z
         if y.ndim != 1 or y.shape != z.shape or not FEWEST <= len(y) <= MOST:

@@ -16,8 +16,7 @@ from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import Scenario, scenario_from
-from ..wheelset.kinds import load_any_wheelset
+from ..scenario import Scenario, scenario_from
 from .closeups import Closeup, Closeups
 from .envelope import Bins, Envelope
 from .published import LoadCase, published_case
@@ -163,7 +162,7 @@ class _Collected:
         passage = _passage(self._scenario, info.sleeper_spacing)
         self._passage = passage if passage and first.position <= passage[1] + ROUNDING else None
         self._passed: list[tuple[Summary, Samples]] = []
-        self._radius, self._threshold = _rolling_radius(self._scenario), math.nan
+        self._radius, self._threshold = self._scenario.wheelset.rolling_radius if self._scenario else math.nan, math.nan
         self._impacts: list[Impact] = []
         self._settings, self._detector = settings, self._new_detector(settings)
         self.wheel_load = math.nan
@@ -294,14 +293,6 @@ def _read(text: str) -> Scenario | None:
         return scenario_from(parse(text, "scenario of the bag"))
     except InputError:
         return None
-
-
-def _rolling_radius(scenario: Scenario | None) -> float:
-    """m; NaN if the wheelset is in a file that is not here."""
-    try:
-        return load_any_wheelset(scenario.wheelset).rolling_radius if scenario else math.nan
-    except InputError:
-        return math.nan
 
 
 def _passage(scenario: Scenario | None, spacing: float) -> tuple[LoadCase, float, float] | None:

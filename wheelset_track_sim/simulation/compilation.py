@@ -52,15 +52,14 @@ def compile_kernels() -> None:
     from ..dynamics.causal import causal_model
     from ..samples.block import SampleBlock
     from ..samples.summary import summarise
-    from ..scenario.scenario import load_scenario
+    from ..scenario import load_scenario
     from ..track.balance import HalfTrack, MovingTrack
     from ..wheelset.reduced import ReducedWheelset
     from .changes import Condition, Revision
     from .coupled import Coupled
-    from .models import Models, described
+    from .models import Models
 
     scenario = load_scenario("undamaged")
-    wheelset, track, _ = described(scenario)
     nodes = scenario.output.stress_nodes
     two_modes = ReducedWheelset(
         poles=np.array([-1 + 50j, -1 + 90j]),
@@ -74,7 +73,7 @@ def compile_kernels() -> None:
         mass=1.0,
         rolling_radius=0.4,
     )
-    places = round(track.spacing / scenario.step_length)
+    places = round(scenario.track.spacing / scenario.step_length)
     half = HalfTrack(
         rate=np.array([[-1.0, 50.0], [-50.0, -1.0]]),
         rate_of_speed=np.array([[0.0, 1.0], [-1.0, 0.0]]),
@@ -83,9 +82,9 @@ def compile_kernels() -> None:
         residual=np.zeros(places),
     )
     models = Models(
-        wheelset=wheelset,
+        wheelset=scenario.wheelset,
         reduced=two_modes,
-        track=track,
+        track=scenario.track,
         dynamics=causal_model(two_modes, MovingTrack(half, half), nodes, scenario.at_lag_zero),
         geometry=ContactGeometry(wheel_radius=two_modes.rolling_radius),
         step_length=scenario.step_length,

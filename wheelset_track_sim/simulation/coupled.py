@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
@@ -24,12 +25,19 @@ class Coupled:
 
     def __init__(self, models: Models, wheel_load: float, step: int, speed: float) -> None:
         """At rest, or in steady running, under ``wheel_load`` N on both wheels at ``step``."""
-        self._models = models
+        self.models = models
         self._dynamics = models.dynamics.start(wheel_load, step, models.step_length, speed)
         self._speed = self._speed_behind = speed
         self._ahead: dict[float, Future[None]] = {}
         self._next = step
         self._xi = np.empty((0, 2, 2))
+
+    def copy(self) -> Coupled:
+        """The same state, which goes on by itself."""
+        copied = copy.copy(self)
+        copied._dynamics = self.models.dynamics.copied(self._dynamics)
+        copied._ahead = {}
+        return copied
 
     @property
     def next_step(self) -> int:
@@ -51,7 +59,7 @@ class Coupled:
         law, steps = condition.law, len(preload)
         tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
-        stress = np.empty((steps, len(self._models.dynamics.stress_rows)))
+        stress = np.empty((steps, len(self.models.dynamics.stress_rows)))
         xi = np.empty((steps, 2, 2))
         done = 0
         while done < steps:
@@ -64,7 +72,7 @@ class Coupled:
                     law,
                     solver(law) if solving else None,
                     preload[part],
-                    self._models.tread_origin,
+                    self.models.tread_origin,
                     self._next + solved,
                     forces[part],
                     stress[part],
@@ -88,7 +96,7 @@ class Coupled:
         """
         if speed in self._ahead:
             self._ahead[speed].result()
-        prepare, dx = self._models.dynamics.prepare, self._models.step_length
+        prepare, dx = self.models.dynamics.prepare, self.models.step_length
         self._ahead = {coming: self._ahead.get(coming) or _POOL.submit(prepare, dx, coming) for coming in ahead}
 
     def _set_speed(self, speed: float, done: int, stop: int) -> int:
@@ -98,7 +106,7 @@ class Coupled:
         changes = speed != self._speed
         self._speed_behind = self._speed if changes else speed
         self._speed = speed
-        models = self._models
+        models = self.models
         self._dynamics = models.dynamics.at_speed(
             self._dynamics, self._next, models.step_length, speed, self._speed_behind
         )

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from ..errors import InputError
 from ..report.figures import COLOURS, STYLE, finish
 from ..runtime.arrays import Complex, Real
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 
 BAND = 2500.0
 """Hz; the band of the paper, if the scenario gives none."""

@@ -19,7 +19,7 @@ from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..samples.principal import maximum_principal
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS, Scenario
+from ..scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
 from .outputs import value_of
@@ -34,8 +34,6 @@ class Job:
     """What is simulated and what is kept of it."""
 
     scenario: Scenario
-    models: str
-    """Digest of the content of its wheelset and track."""
     before: float
     """Track from which results are kept, before the place where angle 0 of the treads meets the rail, m."""
     after: float
@@ -64,9 +62,9 @@ class Job:
 
         The scenario's name does not.
         """
-        plain = {key: value for key, value in self.scenario.to_mapping().items() if key != "name"}
+        scenario = dataclasses.replace(self.scenario, name="any")
         kept = [self.before, self.after, self.outputs, self.histories, self.pressures]
-        return digest([program(), plain, self.models, kept])
+        return digest([program(), scenario, kept])
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,7 @@ from ..errors import InputError
 from ..inputs.schema import unknown
 from ..report.figures import COLOURS
 from ..runtime.arrays import Real
-from ..scenario.scenario import WHEELS
-from ..track.track import load_track
+from ..scenario import WHEELS
 from . import drawing, units
 
 if TYPE_CHECKING:
@@ -159,7 +158,7 @@ class Histories:
         number = min(results.found)
         scenario = results.runs[number].scenario
         distance, part = self._distance(results, number)
-        spacing, reference = load_track(scenario.track).spacing, scenario.reference_position
+        spacing, reference = scenario.track.spacing, scenario.reference_position
         low, high = distance[part][[0, -1]] + reference
         for sleeper in np.arange(math.ceil(low / spacing - 1e-9), math.floor(high / spacing + 1e-9) + 1):
             axes.axvline(sleeper * spacing - reference, color="#d9d9d9", linewidth=1.0, zorder=0)

@@ -10,7 +10,7 @@ from functools import cached_property
 
 from .. import __version__
 from ..report.published import published_case
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from .axes import Axis, Point
 from .evaluate import Result
 from .outputs import value_of

@@ -12,11 +12,12 @@ from matplotlib.cm import ScalarMappable
 from ..errors import InputError
 from ..report.figures import COLOURS
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
+from ..wheelset.kinds import with_geometry
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from ..wheelset.reduction import ModeShapes, mode_shapes, reduced_wheelset
 from ..wheelset.section_mesh import SectionMesh
-from ..wheelset.wheelset import Wheelset, load_wheelset
+from ..wheelset.wheelset import Wheelset
 from . import drawing, mode_drawing
 from .mode_drawing import Mode
 from .wheelset_receptances import watched_node
@@ -34,7 +35,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
     Raises InputError for models that cannot be used, for a wheelset without a mode near those of the figure, and for
     a folder that cannot be written.
     """
-    wheelset, node = load_wheelset(scenario.wheelset), watched_node(scenario)
+    wheelset, node = with_geometry(scenario.wheelset), watched_node(scenario)
     reduced = reduced_wheelset(wheelset, progress=progress)
     report = progress or (lambda stage, fraction: None)
     report("mode shapes", 0.0)

@@ -11,10 +11,11 @@ from ..errors import InputError
 from ..report.figures import COLOURS, finish
 from ..runtime.arrays import Complex, Real
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
+from ..wheelset.kinds import with_geometry
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from ..wheelset.reduction import reduced_wheelset
-from ..wheelset.wheelset import Wheelset, load_wheelset
+from ..wheelset.wheelset import Wheelset
 from . import drawing
 from .drawing import Look
 
@@ -38,7 +39,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
     Raises InputError for models that cannot be used, for a scenario without stress nodes, and for a folder that
     cannot be written.
     """
-    wheelset = load_wheelset(scenario.wheelset)
+    wheelset = with_geometry(scenario.wheelset)
     reduced = reduced_wheelset(wheelset, progress=progress)
     report = progress or (lambda stage, fraction: None)
     frequencies = drawing.resonant_frequencies(reduced.poles, LOWEST, drawing.band(scenario))

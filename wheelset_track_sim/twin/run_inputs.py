@@ -11,7 +11,7 @@ from ..bags import Bag
 from ..bags.run_info import Input, in_order
 from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
-from ..scenario.scenario import Scenario, override, scenario_from
+from ..scenario import Scenario, override, scenario_from
 from ..scenario.values import values_of, with_values
 from ..simulation.speed import Stretch
 

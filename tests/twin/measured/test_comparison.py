@@ -15,7 +15,7 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.run_messages import record
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.twin.measured import Matching, Measurement, compare
 from wheelset_track_sim.twin.measured.reading import read_measurement

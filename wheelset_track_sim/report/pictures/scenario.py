@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -10,10 +9,10 @@ from typing import NamedTuple
 from matplotlib.figure import SubFigure
 
 from ...runtime.progress import Progress
-from ...scenario.scenario import WHEELS, Profiles, Scenario
-from ...simulation.models import described
+from ...scenario import WHEELS, Profiles, Scenario
+from ...scenario.scenario import WHEELSET
 from ...studies.drawing import new_figure
-from ...wheelset.kinds import reduce_wheelset
+from ...wheelset.kinds import load_wheelset, reduce_wheelset
 from ...wheelset.section_outline import section_outline
 from ..figures import write_png
 from .profiles import draw_profiles
@@ -55,10 +54,10 @@ def write_rows(path: Path, title: str, note: str, rows: Sequence[Row]) -> Path:
 
 def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
     """What there is to see of a scenario, from its treads to its wheelset; raises InputError."""
-    wheelset, track, geometry = described(scenario)
+    wheelset, track, geometry = scenario.touched_wheelset, scenario.track, scenario.geometry
     model = reduce_wheelset(wheelset, progress)
     outline = section_outline(wheelset, model)
-    turn = round(2 * math.pi * model.rolling_radius / scenario.step_length)
+    turn = scenario.steps_per_revolution
 
     def surface_row(surface: Surface) -> Row:
         def draw(part: SubFigure) -> None:
@@ -82,12 +81,17 @@ def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
     rows.append(Row(2.9, profiles, special=scenario.profiles != Profiles()))
     if uneven(track):
         rows.append(Row(2.4, supports, special=True))
-    rows.append(Row(4.2, lambda part: draw_wheelset(part.subplots(), outline), special=scenario.wheelset != "x40"))
+    rows.append(
+        Row(
+            4.2,
+            lambda part: draw_wheelset(part.subplots(), outline),
+            special=scenario.wheelset != load_wheelset(WHEELSET),
+        )
+    )
     return rows
 
 
 def description(scenario: Scenario) -> str:
     """Wheelset, track, load and speed in a line."""
-    wheelset, track, _ = described(scenario)
     load = f"{scenario.axle_load / 1e3:.1f} kN on both wheels, {3.6 * scenario.speed:.0f} km/h"
-    return f"{wheelset.name} on {track.name}, {load}"
+    return f"{scenario.wheelset.name} on {scenario.track.name}, {load}"

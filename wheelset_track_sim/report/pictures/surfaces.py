@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from ...irregularities import line_steps, rail_heights, tread_heights
 from ...irregularities.surface import RAILS
 from ...runtime.arrays import Real
-from ...scenario.scenario import WHEELS, Scenario
+from ...scenario import WHEELS, Scenario
 from ..figures import COLOURS
 
 HALF_WIDTH = 0.036
