@@ -12,7 +12,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from ..bags.playback.player import Player
+from ..bags.playback import Player
 from ..errors import WheelsetTrackError
 from .answers import Answer, served
 
