@@ -91,6 +91,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_info(commands)
     _add_compare(commands)
     _add_stress(commands)
+    _add_cache(commands)
     _add_demo(commands)
     return parser
 
@@ -345,6 +346,25 @@ def _stress(options: argparse.Namespace) -> int:
 
     nodes = [name.strip() for name in options.nodes.split(",")] if options.nodes else None
     return stress(options.forces, options.wheelset, nodes, options.speed, options.out, json=options.json)
+
+
+def _add_cache(commands: _Commands) -> None:
+    cache = _command(commands, "cache", "models and compiled functions on disk: where, how many, how large, last use")
+    cache.add_argument(
+        "--clear",
+        nargs="?",
+        const="all",
+        metavar="KIND",
+        help="remove one kind, or all: models are built again when needed",
+    )
+    _takes_json(cache)
+    cache.set_defaults(command=_cache)
+
+
+def _cache(options: argparse.Namespace) -> int:
+    from .cache import cache
+
+    return cache(options.clear, json=options.json)
 
 
 def _add_demo(commands: _Commands) -> None:
