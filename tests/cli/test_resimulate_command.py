@@ -7,8 +7,6 @@ import pytest
 
 from wheelset_track_sim.cli import main
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -33,6 +31,7 @@ def test_a_run_is_told_to_be_bit_identical(bag: Path, capsys: pytest.CaptureFixt
     assert found["recorded"] == found["simulated"]
 
 
+@pytest.mark.slow
 def test_what_would_have_been_stands_beside_what_was(
     bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

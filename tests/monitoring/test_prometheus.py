@@ -21,8 +21,6 @@ from wheelset_track_sim.samples.impacts import Impact
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.samples.turns import TurnPeaks
 
-pytestmark = pytest.mark.slow
-
 
 def scraped(endpoint):
     """Samples by name and labels."""
