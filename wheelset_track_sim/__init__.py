@@ -15,4 +15,4 @@ bending stress simulated for generic distributions and shapes of discrete wheel 
 numbers in docstrings are the paper's.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
