@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from support.toy import toy_simulator
 from wheelset_track_sim.bags import BagWriter, RunInfo, State
 from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.simulation.simulator import Simulator
 
 # The first example may compile a kernel, and machines are shared: no test is about seconds. All tests together try the
 # same examples every time, so that what passes passes again; `make check` tries others each time, `make search` many.
@@ -102,3 +104,13 @@ def run_blocks() -> list[SampleBlock]:
     second = block_of_numbers(1389, 1, time=1389 * first.step_period)
     third = block_of_numbers(1390, 700, time=1390 * first.step_period, speed=1e3 / 36, revision=1)
     return [first, second, third]
+
+
+@pytest.fixture
+def smooth() -> Simulator:
+    return toy_simulator()
+
+
+@pytest.fixture
+def damaged() -> Simulator:
+    return toy_simulator(like="damage_wheel_1")

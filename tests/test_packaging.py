@@ -179,7 +179,7 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
     assert {path.name for path in (installed / "data/config/scenarios").iterdir()} == SCENARIOS
     assert not any(path.is_symlink() for path in installed.rglob("*"))
     shutil.rmtree(tree / "config")  # what is installed stands alone
-    code = "from wheelset_track_sim.scenario.scenario import load_scenario as load; print(load('undamaged').name)"
+    code = "from wheelset_track_sim.scenario import load_scenario as load; print(load('undamaged').name)"
     program = [sys.executable, "-c", code]
     path = str(installed.parent)
     assert run(*program, cwd=tmp_path, PYTHONPATH=path).stdout.strip() == "undamaged"

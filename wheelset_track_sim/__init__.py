@@ -15,4 +15,6 @@ bending stress simulated for generic distributions and shapes of discrete wheel 
 numbers in docstrings are the paper's.
 """
 
-__version__ = "0.2.0"
+from .version import __version__
+
+__all__ = ["__version__"]

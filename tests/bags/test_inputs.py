@@ -11,7 +11,7 @@ from wheelset_track_sim.bags.inputs import MOST, Input, decoded, encoded, with_i
 from wheelset_track_sim.bags.run_info import versions
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.live.origin import run_info, state, states
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import Simulator
 
 INPUTS = st.lists(st.builds(Input, st.integers(0, 2**32 - 1), st.integers(0, 2**63), st.text()), max_size=5)

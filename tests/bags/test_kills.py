@@ -18,7 +18,7 @@ from support.plain_scan import LARGEST_LOSS, Scan
 from wheelset_track_sim.bags import Damage, read
 from wheelset_track_sim.bags.recover import recover
 from wheelset_track_sim.errors import RecordingError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 pytestmark = pytest.mark.slow

@@ -12,7 +12,7 @@ from wheelset_track_sim.bags.overview import overview
 from wheelset_track_sim.bags.revisions import Difference, differences, revisions
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import RecordingError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 
 def copied(path, *groups):

@@ -12,7 +12,7 @@ from wheelset_track_sim.bags.files import beside
 from wheelset_track_sim.bags.messages import chunk_messages
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.live.run_writer import RunWriter
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 NAMES = ("run.mcap", "run")

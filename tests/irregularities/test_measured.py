@@ -5,7 +5,7 @@ import pytest
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.irregularities import Profile, rail_heights, tread_heights
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 N_C, DX = 2713, 1e-3
 Y = np.array([-0.004, 0.0, 0.003])

@@ -12,7 +12,7 @@ from wheelset_track_sim.bags.tread_damage import damage_fields
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.live.revisions import Revisions
-from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
+from wheelset_track_sim.scenario import SetPoint, load_scenario
 from wheelset_track_sim.simulation.changes import Revision
 from wheelset_track_sim.simulation.simulator import Simulator
 

@@ -297,7 +297,7 @@ def short_bag(tmp_path, run_info, run_blocks, make_state):
 
 @pytest.fixture
 def services(client):
-    from service_calls import Services
+    from support.service_calls import Services
 
     return Services(client)
 

@@ -15,7 +15,7 @@ pytest.importorskip("wheelset_track_msgs")
 
 from rosbags.highlevel import AnyReader
 
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

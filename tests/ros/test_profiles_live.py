@@ -9,7 +9,7 @@ pytest.importorskip("wheelset_track_msgs")
 
 from wheelset_track_sim.bags import read
 from wheelset_track_sim.inputs.yaml12 import parse
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

@@ -16,7 +16,7 @@ from support.service_calls import SIZE_B, assert_gap_free, end, first_of, item
 from wheelset_track_sim.bags import read
 from wheelset_track_sim.bags.tread_damage import MOST
 from wheelset_track_sim.inputs.yaml12 import parse
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

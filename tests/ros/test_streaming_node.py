@@ -12,7 +12,7 @@ pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
 from wheelset_track_sim.bags import read
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

@@ -15,8 +15,8 @@ from wheelset_track_sim.irregularities import Breakout, Harmonic, Polygon, Squat
 from wheelset_track_sim.live.origin import run_info, state, states
 from wheelset_track_sim.live.run_writer import RunWriter
 from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.scenario import WHEELS, Scenario, load_scenario
 from wheelset_track_sim.scenario.loads import Loads
-from wheelset_track_sim.scenario.scenario import WHEELS, Scenario, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.twin import simulate_again
 

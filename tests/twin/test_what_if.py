@@ -3,7 +3,7 @@
 import pytest
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.twin.what_if import with_settings
 
 SMOOTH = load_scenario("undamaged")
@@ -31,7 +31,7 @@ def test_a_speed_ends_the_speed_plan() -> None:
 
 def test_models_may_be_set_too() -> None:
     found = with_settings([SMOOTH, BOTH], ["track.spacing=0.65"])
-    assert [each.track["spacing"] for each in found] == [0.65, 0.65]
+    assert [each.track.spacing for each in found] == [0.65, 0.65]
 
 
 @pytest.mark.parametrize(

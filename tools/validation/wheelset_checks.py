@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from wheelset_track_sim.samples.principal import maximum_principal
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset, reduced_wheelset
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.stress_points import around_axle
-from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset
 
-from .store import ROOT, recall, this_module
+from .store import ROOT, recall
 
 Real = NDArray[np.float64]
 
@@ -69,7 +70,7 @@ def facts(changes: tuple[str, ...] = ()) -> dict[str, Any]:
         scenario = load_scenario("undamaged", [f"wheelset.{change}" for change in changes])
         return _facts(reduced_wheelset(load_wheelset(scenario.wheelset)))
 
-    found: dict[str, Any] = recall("wheelset", list(changes), compute, this_module(__name__))
+    found: dict[str, Any] = recall("wheelset", list(changes), compute)
     return found
 
 
@@ -99,14 +100,12 @@ def _elements() -> Any:
 
 def _bricks() -> Any:
     """Harmonic elements against 20-node bricks on the same section mesh: modes and statics."""
-    sys.path.insert(0, str(ROOT / "tests" / "validation"))
-    from test_wheelset_bricks import Pair, on_bricks
-    from wheelset_bricks import bricks
+    sys.path.insert(0, str(ROOT / "tests"))
+    from support.wheelset_bricks import bricks, on_bricks
 
     x40 = load_wheelset("x40")
     mesh = wheelset_mesh(x40, COARSE)
     solid = bricks(x40, mesh, SECTORS)
-    pair = Pair(x40, mesh, solid)
     frequencies, shapes = solid.modes(60)
     weighted = solid.mass @ shapes
     modes = []
@@ -115,7 +114,7 @@ def _bricks() -> Any:
         own, found = model.modes(0.98 * frequencies.max())
         gaps = []
         for frequency, mode in zip(own, found.T, strict=True):
-            field = on_bricks(pair, model, mode)
+            field = on_bricks(solid, model, mode)
             match = (field @ weighted) ** 2 / (field @ (solid.mass @ field))
             near = np.abs(frequencies / frequency - 1) < 0.02
             gaps.append(abs(float(frequencies[near] @ match[near] / match[near].sum()) / float(frequency) - 1))
@@ -139,14 +138,14 @@ def _bricks() -> Any:
 
 def fine() -> Any:
     """Facts of the X40 on a mesh of half the size."""
-    return recall("wheelset-fine", 2, _fine, this_module(__name__))
+    return recall("wheelset-fine", 2, _fine)
 
 
 def elements() -> Any:
     """Static stresses by the finite elements."""
-    return recall("wheelset-elements", 1, _elements, this_module(__name__))
+    return recall("wheelset-elements", 1, _elements)
 
 
 def compared_with_bricks() -> Any:
     """Modes and statics of both models."""
-    return recall("bricks", SECTORS, _bricks, this_module(__name__))
+    return recall("bricks", SECTORS, _bricks)

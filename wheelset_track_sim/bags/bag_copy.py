@@ -9,8 +9,8 @@ from pathlib import Path
 
 from mcap.records import Channel, Metadata, Schema
 
-from .. import __version__
 from ..errors import InputError
+from ..version import __version__
 from .mcap.records import Message
 from .mcap.writer import McapFile
 from .rosbag2_metadata import METADATA, Part, Topic, write_folder_metadata

@@ -9,7 +9,7 @@ from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 
-from .. import __version__
+from ..version import __version__
 from .definitions import full_name, schema
 from .mcap.writer import McapFile
 from .messages import Message

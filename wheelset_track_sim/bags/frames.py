@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from ..wheelset.reduced import COMPONENTS
 
 if TYPE_CHECKING:

@@ -14,10 +14,9 @@ from importlib.metadata import version
 from numba.core.registry import cpu_target
 from threadpoolctl import threadpool_info
 
-import wheelset_track_sim
-
-from .. import __version__
 from ..runtime.cache import digest
+from ..runtime.sources import whole_package
+from ..version import __version__
 from .inputs import Input, decoded, encoded, with_input
 
 METADATA_NAME = "wheelset_track_sim"
@@ -36,7 +35,7 @@ def _versions() -> dict[str, str]:
     _, processor, features = cpu_target.target_context.codegen().magic_tuple()  # what numba compiles for
     return {
         "wheelset_track_sim": __version__,
-        "sources": digest([], wheelset_track_sim),
+        "sources": whole_package(),
         "python": platform.python_version(),
         **libraries,
         "blas": ", ".join(algebra),

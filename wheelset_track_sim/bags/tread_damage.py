@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..irregularities import AnyIrregularity, Breakout
-from ..irregularities.listing import MOST
-from ..scenario.scenario import WHEELS
+from ..irregularities import Breakout, Irregularity
+from ..irregularities.kinds import MOST
+from ..scenario import WHEELS
 
 KINDS: dict[int, type[Breakout]] = {0: Breakout}
 """Irregularities by the number of their kind in ``TreadDamage``."""
@@ -17,7 +17,7 @@ FIELDS = ("wheel", "kind", *NUMBERS)
 """Fields of ``TreadDamage``."""
 
 
-def damage_fields(irregularities: Iterable[AnyIrregularity]) -> tuple[Mapping[str, float], ...]:
+def damage_fields(irregularities: Iterable[Irregularity]) -> tuple[Mapping[str, float], ...]:
     """``FIELDS`` of each breakout; other irregularities are in the scenario alone."""
     return tuple(
         {"wheel": WHEELS.index(item.on) + 1, "kind": 0} | {name: getattr(item, name) for name in NUMBERS}

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
-from .. import __version__
 from ..errors import InputError, WheelsetTrackError
 from ..inputs import shipped
 from ..runtime.memory import keep_freed_memory
+from ..version import __version__
 
 if TYPE_CHECKING:
     from ..bags.settings import RecordSettings
@@ -194,11 +194,11 @@ def _add_study(commands: _Commands) -> None:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ..studies.conduct import Place
+    from ..studies.conduct import Resources
     from .study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return study(options.study, changes, options.out, Place(options.workers, options.scheduler))
+    return study(options.study, changes, options.out, Resources(options.workers, options.scheduler))
 
 
 def _add_report(commands: _Commands) -> None:

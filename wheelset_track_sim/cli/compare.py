@@ -12,8 +12,8 @@ from rich.table import Table
 
 from ..bags import Bag
 from ..twin.measured import Comparison, Matching, compare
+from ..twin.measured.comparison import impact_rows, remarks, rows
 from ..twin.measured.reading import read_measurement
-from ..twin.measured.rows import impact_rows, remarks, rows
 from .console import terminal
 
 
@@ -47,7 +47,7 @@ def as_mapping(found: Comparison) -> dict[str, Any]:
         "samples": len(found.at),
         f"from_{unit}": float(found.at[0]),
         f"to_{unit}": float(found.at[-1]),
-        "signals": {name: asdict(each) for name, each in zip(found.names, found.measures, strict=True)},
+        "signals": {name: asdict(each) for name, each in zip(found.names, found.agreement, strict=True)},
         "impacts": [
             {"wheel": pair.signal, f"at_{unit}": pair.at, "measured_N": pair.measured, "simulated_N": pair.simulated}
             for pair in found.impacts

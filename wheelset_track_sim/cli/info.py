@@ -12,7 +12,7 @@ from rich.table import Table
 
 from ..bags.losses import Gap
 from ..bags.overview import Overview, overview
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from .console import terminal
 
 LONGEST = 60

@@ -10,7 +10,7 @@ from typing import Any
 from rich.table import Table
 
 from ..samples.summary import Summary
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from ..twin import Again, simulate_again
 from ..twin.differences import Difference, Place
 from .console import terminal

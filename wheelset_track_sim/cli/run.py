@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..live.run_writer import RunWriter
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS, load_scenario
+from ..scenario import WHEELS, load_scenario
 from ..simulation.simulator import Simulator
 from .console import terminal
 from .progress import shown

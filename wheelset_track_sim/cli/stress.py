@@ -21,8 +21,8 @@ from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..twin.measured.csv_file import WHEELS, read_csv, write_csv
-from ..twin.measured.resampling import evenly
-from ..wheelset.kinds import load_any_wheelset, reduce_wheelset
+from ..twin.measured.measurement import evenly
+from ..wheelset.kinds import load_wheelset, reduce_wheelset
 from ..wheelset.reduced import COMPONENTS
 from .console import terminal
 from .progress import shown
@@ -47,7 +47,7 @@ def stress(
     forces: Path, wheelset: str, nodes: Sequence[str] | None, speed: float | None, out: Path | None, *, json: bool
 ) -> int:
     """Work out the stresses, write and print them; returns the exit status."""
-    described = load_any_wheelset(wheelset)
+    described = load_wheelset(wheelset)
     block = _block(forces, speed)
     with shown() as progress:
         reduced = reduce_wheelset(described, progress)

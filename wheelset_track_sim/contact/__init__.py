@@ -3,7 +3,7 @@
 The coupled step calls ``contact_force`` of ``law_kernels`` with the law that ``build_contact_law`` makes.
 """
 
-from .geometry import ContactGeometry, Pair
+from .geometry import ContactGeometry, ProfilePair
 from .hertz import HertzContact
 from .law import build_contact_law
 from .law_kernels import ContactLaw, contact_force, contact_pressure
@@ -15,8 +15,8 @@ __all__ = [
     "ContactLaw",
     "ContactPatch",
     "HertzContact",
-    "Pair",
     "Points",
+    "ProfilePair",
     "RailHead",
     "Straight",
     "approach_for_force",

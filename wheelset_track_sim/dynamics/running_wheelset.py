@@ -47,7 +47,6 @@ class RunningWheelset:
     stress_rows: NDArray[np.intp]  # (S,) where the components stand in the flattened (nodes, 6)
     changes_speed: ClassVar[bool] = True
     longest_run: ClassVar[float] = math.inf
-    longest_step: ClassVar[float] = math.inf
 
     def static_wheels(self) -> Real:
         """Displacement (2,) m/N of the wheels under unit loads on both of them."""

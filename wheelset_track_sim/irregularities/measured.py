@@ -9,8 +9,7 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.signal import resample_poly
+import scipy
 
 from ..errors import InputError
 from ..inputs import shipped
@@ -144,7 +143,7 @@ class Profile:
             even = turn[0] + 2 * math.pi / count * np.arange(count)
             around = [turn[-3:] - 2 * math.pi, turn, turn[:3] + 2 * math.pi]
             ends = np.concatenate([values[-3:], values, values[:3]])
-            values = PchipInterpolator(np.concatenate(around), ends)(even)
+            values = scipy.interpolate.PchipInterpolator(np.concatenate(around), ends)(even)
         spectrum = np.fft.rfft(values - values.mean(), axis=0)[: (min(count, steps) + 1) // 2]
         turned = np.exp(-1j * np.arange(len(spectrum)) * turn[0])[:, None]
         return np.fft.irfft(spectrum * turned, steps, axis=0) * (steps / count)
@@ -155,8 +154,8 @@ class Profile:
         finer = min(max(1, math.ceil(dx / np.median(np.diff(along)) - 1e-6)), FINEST)
         steps = math.floor(np.ptp(along) / dx + 1e-6) + 1
         even = along[0] + np.arange((steps - 1) * finer + 1) * (dx / finer)
-        fine = PchipInterpolator(along, values)(np.minimum(even, along[-1]))
-        return fine if finer == 1 else np.asarray(resample_poly(fine, 1, finer, axis=0, padtype="line"))
+        fine = scipy.interpolate.PchipInterpolator(along, values)(np.minimum(even, along[-1]))
+        return fine if finer == 1 else np.asarray(scipy.signal.resample_poly(fine, 1, finer, axis=0, padtype="line"))
 
     def _across(self, heights: Real, y: Real) -> Real:
         """Heights of the columns at lateral positions ``y``, m."""

@@ -11,7 +11,7 @@ from ..bags.tread_damage import irregularities_of
 from ..errors import WheelsetTrackError
 from ..irregularities.listing import listed
 from ..runtime.progress import Progress
-from ..scenario.scenario import WHEELS, Scenario
+from ..scenario import WHEELS, Scenario
 from ..simulation.changes import Revision
 from ..simulation.simulator import Simulator
 from .recorder import path_below

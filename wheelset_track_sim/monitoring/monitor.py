@@ -13,7 +13,7 @@ from ..live.watch import Seen
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from .limits import Limits
 from .status import (
     Level,

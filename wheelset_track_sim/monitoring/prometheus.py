@@ -13,7 +13,7 @@ from ..live.stream import Timing
 from ..live.watch import Seen
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from .status import Status
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
-from .samples import Samples, joined
+from .samples import SampleSeries, joined
 
 NUMBER = 12
 """Close-ups of a run."""
@@ -19,7 +19,7 @@ class Closeup:
     """Of the peak."""
     force: float
     """N"""
-    samples: Samples
+    samples: SampleSeries
 
 
 class Closeups:
@@ -30,11 +30,11 @@ class Closeups:
 
     def __init__(self, before: int, after: int, late: int, number: int = NUMBER) -> None:
         self._before, self._after, self._late, self._number = before, after, late, number
-        self._recent: deque[Samples] = deque()
+        self._recent: deque[SampleSeries] = deque()
         self._pending: list[tuple[int, float]] = []
         self._kept: list[Closeup] = []
 
-    def push(self, samples: Samples) -> None:
+    def push(self, samples: SampleSeries) -> None:
         """Add the samples that follow."""
         self._recent.append(samples)
         self._cut(samples.end)

@@ -12,7 +12,7 @@ from bokeh.models.layouts import LayoutDOM
 from bokeh.resources import Resources
 
 from ..errors import ContactError, InputError
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from ..twin.measured import Comparison
 from . import measured, plots, sections
 from .assets import STYLE, asset

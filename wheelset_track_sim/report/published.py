@@ -10,7 +10,9 @@ from typing import Any
 
 from ..irregularities import Breakout
 from ..samples.summary import NodeStress, Summary, WheelLoad
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
+from ..track.track import load_track
+from ..wheelset.kinds import load_wheelset
 
 SPEED = 100 / 3.6
 """m/s, Section 5."""
@@ -58,6 +60,6 @@ def published_case(scenario: Scenario) -> LoadCase | None:
         and math.isclose(scenario.axle_load, AXLE_LOAD, rel_tol=1e-6)
         and not scenario.speed_plan
         and scenario.loads.none
-        and (scenario.wheelset, scenario.track) == ("x40", "ballasted_60e1")
+        and (scenario.wheelset, scenario.track) == (load_wheelset("x40"), load_track("ballasted_60e1"))
     )
     return next((case for case in CASES if paper and case.irregularities == scenario.irregularities), None)

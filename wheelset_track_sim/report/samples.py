@@ -11,11 +11,11 @@ from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 
 WHEELS = 2
-"""Columns of ``Samples.values`` that are contact forces; the others are stresses."""
+"""Columns of ``SampleSeries.values`` that are contact forces; the others are stresses."""
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class SampleSeries:
     """Consecutive samples, one for each step."""
 
     first_step: int
@@ -44,16 +44,16 @@ class Samples:
         """Maximum principal stress, (samples, nodes), Pa."""
         return self.values[:, WHEELS:]
 
-    def between(self, first: int, end: int) -> Samples:
+    def between(self, first: int, end: int) -> SampleSeries:
         """The samples among those of steps ``first`` to ``end - 1``."""
         part = slice(max(0, first - self.first_step), max(0, end - self.first_step))
-        return Samples(max(first, self.first_step), self.time[part], self.position[part], self.values[part])
+        return SampleSeries(max(first, self.first_step), self.time[part], self.position[part], self.values[part])
 
 
-def samples_of(block: SampleBlock) -> Samples:
+def samples_of(block: SampleBlock) -> SampleSeries:
     """Samples of a block."""
     within = np.arange(len(block), dtype=np.float64)
-    return Samples(
+    return SampleSeries(
         first_step=block.first_step,
         time=block.time + within * block.step_period,
         position=block.position + within * (block.speed * block.step_period),
@@ -61,9 +61,9 @@ def samples_of(block: SampleBlock) -> Samples:
     )
 
 
-def joined(parts: Sequence[Samples]) -> Samples:
+def joined(parts: Sequence[SampleSeries]) -> SampleSeries:
     """Parts that follow one another as one; ValueError if there is none."""
-    return Samples(
+    return SampleSeries(
         parts[0].first_step,
         np.concatenate([part.time for part in parts]),
         np.concatenate([part.position for part in parts]),

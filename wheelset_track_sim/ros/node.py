@@ -183,6 +183,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         """Another run instead of the one at hand, which goes on if that one did."""
         before = self.needed_run()
         simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
+        simulator.settle()
         running, recording = before.running, self.recorder.path
         before.end()
         with suppress(RecordingError):  # the recorder keeps it
@@ -241,6 +242,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
         scenario = self.revisions.scenario
         simulator = Simulator(scenario, progress, self._models.models(scenario, progress))
+        simulator.settle()
         bag = None
         if self.parameters["record.on_start"]:
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]

@@ -63,7 +63,7 @@ class ReplayNode(Node):  # type: ignore[misc]
                 self.seek(self.parameters["position"])
             self._outlets = {topic.name: self._publisher(topic) for topic in self._topics.values()}
             stack.pop_all()
-        ReplayServices(self)
+        ReplayServices(self, self.player, self.position, self.finish)
         answer_always(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 

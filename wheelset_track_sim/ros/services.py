@@ -6,7 +6,7 @@ import traceback
 from array import array
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -16,16 +16,53 @@ from wheelset_track_msgs.msg import TreadDamageArray
 from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
 
 from ..errors import InputError
-from ..live.recorder import path_below
-from ..live.revisions import Outcome
+from ..live.recorder import Recorder, path_below
+from ..live.revisions import Outcome, Revisions
 from .answers import Answer, served
 from .conversions import header
-
-if TYPE_CHECKING:
-    from .node import SimulationNode
+from .parameters import Parameters
+from .run import Run
 
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
+
+
+class Controlled(Protocol):
+    """A node that the services control: its run, its changes, its recorder, and the interface of ROS."""
+
+    changing: Any
+    """Callback group of changes."""
+    revisions: Revisions
+    parameters: Parameters
+    recorder: Recorder
+
+    def needed_run(self) -> Run:
+        """The run; raises InputError if there is none."""
+        ...
+
+    def pause(self) -> str:
+        """Deactivate the node; raises InputError if there is nothing to pause."""
+        ...
+
+    def resume(self) -> str:
+        """Activate the node; raises InputError if there is nothing to resume."""
+        ...
+
+    def reset(self) -> str:
+        """Begin a new run from step 0; raises WheelsetTrackError if that fails."""
+        ...
+
+    def get_logger(self) -> Any:
+        """Logger of ROS."""
+        ...
+
+    def create_service(self, srv_type: Any, *arguments: Any, **options: Any) -> Any:
+        """Service of ROS."""
+        ...
+
+    def create_subscription(self, *arguments: Any, **options: Any) -> Any:
+        """Subscription of ROS."""
+        ...
 
 
 class Services:
@@ -35,7 +72,7 @@ class Services:
     another, and within each the order of arrival counts.
     """
 
-    def __init__(self, node: SimulationNode) -> None:
+    def __init__(self, node: Controlled) -> None:
         """For ``node``, as long as it lives."""
         self._node, log = node, node.get_logger()
         changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ..contact.law_kernels import ContactLaw
 from ..runtime.arrays import Real
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from .passage import passage
 
 START = 6

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import dataclass
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -12,11 +14,10 @@ from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
-from .finite import require_finite
 from .handover import handover
 from .instants import Contact
 from .models import Models, load_models
@@ -35,11 +36,48 @@ REMEMBERED = 10_000
 """Changes that a run remembers, the latest: some 2 kB each."""
 
 
+class Settling(NamedTuple):
+    """What a run settles under."""
+
+    wheel_load: float
+    """N on each wheel."""
+    step: int
+    """The first step after settling."""
+    speed: float
+    """m/s"""
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """A run in steady state, from which simulators begin."""
+
+    under: Settling
+    coupled: Coupled
+    forces: Real
+    """Contact forces of the last step, (2,) N."""
+
+    def check(self, under: Settling, models: Models) -> None:
+        """Raise InputError unless a simulator of ``models`` can begin from it ``under`` these conditions."""
+        if self.coupled.models is not models:
+            raise InputError("the settled state belongs to other models: hand the same models to the simulator")
+        for name, given, own in zip(Settling._fields, under, self.under, strict=True):
+            if given != own:
+                raise InputError(f"the settled state has {name} = {own:g}, the run {given:g}: settle it anew")
+
+
 class Simulator:
     """One wheelset running along the track, block by block.
 
-    Step 0 follows a settling phase with smooth treads, so that the stream starts in steady running. ``advance`` and
-    ``apply`` may be called from different threads.
+    A simulator is constructed, which builds its models; settled, which runs it on smooth treads until it is steady; and
+    advanced. ``advance`` and ``apply`` may be called from different threads.
+
+    Examples
+    --------
+    >>> simulator = Simulator(load_scenario("undamaged"))
+    >>> settled = simulator.settle()
+    >>> block = simulator.advance(2713)  # one turn of the wheel
+    >>> block.forces.shape, block.stresses.shape
+    ((2713, 2), (2713, 3, 6))
     """
 
     def __init__(
@@ -49,33 +87,77 @@ class Simulator:
         models: Models | None = None,
         start: Stretch | None = None,
     ) -> None:
-        """Load or build the models and settle; raises InputError if the scenario cannot be used.
+        """Load or build the models and the contact of treads and rails; nothing is run yet.
 
-        Raises ContactError, with a step below that of the start, for models that do not settle.
-
-        ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs. ``start`` is where a run
-        begins that does not begin with step 0, with the speed that is run at and the one that is approached.
+        Parameters
+        ----------
+        scenario
+            What is simulated.
+        progress
+            Called with stage and fraction while models are built.
+        models
+            Models of an earlier run, which serve again if nothing but ``CHANGEABLE`` keys differs.
+        start
+            Where a run begins that does not begin with step 0, with its speed and the speed that it approaches.
         """
         self._models: Models = models or load_models(scenario, progress)
-        self._check_steps(scenario)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
-        start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
-        settling = round(SETTLING / (scenario.step_length / start.speed))
-        smooth = Condition(Revision(0, start.step), scenario, self._models.contact_law(()), self._preload_for(scenario))
-        self._coupled = Coupled(self._models, scenario.wheel_load, start.step - settling, start.speed)
-        self._loading = Loading(smooth.preload)
-        self._preload = np.tile(smooth.preload, (settling, 1))
-        while self._coupled.next_step < start.step:  # once; again from a step without solution, which raises
-            left = self._preload[self._coupled.next_step - start.step :]
-            self._forces = self._coupled.run(smooth, start.speed, left)[0][-1]
-        self._changes = Changes(smooth, self._models.tread_origin)
+        self._start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
+        smooth = self._models.contact_law(())
+        first = Condition(Revision(0, self._start.step), scenario, smooth, self._preload_for(scenario))
+        self._coupled: Coupled | None = None
+        self._loading = Loading(first.preload)
+        self._preload = np.empty((0, 2))
+        self._forces = np.empty(2)
+        self._changes = Changes(first, self._models.tread_origin)
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
-        self._changes.add(scenario, law, smooth.preload, number=0)
-        self._course = Course((start,), scenario.step_length).redirected(
-            start.step, start.set_point, scenario.acceleration, scenario.speed_plan
+        self._changes.add(scenario, law, first.preload, number=0)
+        self._course = Course((self._start,), scenario.step_length).redirected(
+            self._start.step, self._start.set_point, scenario.acceleration, scenario.speed_plan
         )
-        self._history: tuple[Applied, ...] = (Applied(smooth.revision, scenario, start.set_point),)
+        self._history: tuple[Applied, ...] = (Applied(first.revision, scenario, self._start.set_point),)
+
+    def settle(self, settled: Settled | None = None) -> Settled:
+        """Run on smooth treads until the run is steady, or begin from a settled state; ``advance`` does it if need be.
+
+        Parameters
+        ----------
+        settled
+            What an earlier call returned, of this simulator or of another one on the same models, with the same load,
+            start and speed; then nothing is run.
+
+        Returns
+        -------
+        Settled
+            The state at the start of the run. It can be kept, and simulators can begin from it any number of times.
+
+        Raises
+        ------
+        ContactError
+            With a step below that of the start, for models that do not settle.
+        InputError
+            If ``settled`` belongs to other models, or to another load, start or speed.
+        ValueError
+            If the run has begun.
+        """
+        if self._coupled is not None:
+            raise ValueError("the run has begun: settle a new simulator")
+        start, first = self._start, self._changes.in_force
+        scenario = first.scenario  # as of the start, whatever has been accepted since
+        of = Settling(scenario.wheel_load, start.step, start.speed)
+        if settled is None:
+            steps = round(SETTLING / (scenario.step_length / start.speed))
+            coupled = Coupled(self._models, scenario.wheel_load, start.step - steps, start.speed)
+            preload = np.tile(first.preload, (steps, 1))
+            while coupled.next_step < start.step:  # once; again from a step without solution, which raises
+                forces = coupled.run(first, start.speed, preload[coupled.next_step - start.step :])[0][-1]
+            settled = Settled(of, coupled.copy(), forces)
+        else:
+            settled.check(of, self._models)
+            coupled = settled.coupled.copy()
+        self._coupled, self._forces = coupled, settled.forces
+        return settled
 
     @property
     def scenario(self) -> Scenario:
@@ -105,7 +187,7 @@ class Simulator:
     @property
     def next_step(self) -> int:
         """Index of the next sample."""
-        return self._coupled.next_step
+        return self._start.step if self._coupled is None else self._coupled.next_step
 
     @property
     def time(self) -> float:
@@ -140,7 +222,7 @@ class Simulator:
     @property
     def displacements(self) -> Real:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
-        return self._coupled.displacements
+        return np.empty((0, 2, 2)) if self._coupled is None else self._coupled.displacements
 
     def contact(self, wheel: int, row: int) -> Contact:
         """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block; it stays good when the run goes on."""
@@ -186,7 +268,6 @@ class Simulator:
             scenario = dataclasses.replace(scenario, speed_plan=())
         if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
-        self._check_steps(scenario)
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
@@ -195,15 +276,18 @@ class Simulator:
     def advance(self, steps: int) -> SampleBlock:
         """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
 
-        Raises ContactError with step and inputs if a contact problem has no solution; samples solved before that
-        step are returned first.
+        A simulator that is not settled yet is settled first. Raises ContactError with step and inputs if a contact
+        problem has no solution; samples solved before that step are returned first.
         """
         if steps < 1:
             raise ValueError(f"steps = {steps}: give at least 1")
         longest = self._models.dynamics.longest_run - SETTLING
         if self.time + steps * self.step_period > longest:
             raise InputError(f"{self.in_force.dynamics} dynamics runs for {longest:g} s at most: use causal for longer")
-        first = end = self.next_step
+        if self._coupled is None:
+            self.settle()
+        coupled = cast("Coupled", self._coupled)
+        first = end = coupled.next_step
         while end == first:  # again for a change that was accepted between the two
             self._install_due()
             end = self._changes.claim(min(first + steps, self._course.border(first)))
@@ -213,9 +297,8 @@ class Simulator:
         rows = np.arange(first - on.step, end - on.step, dtype=np.float64)
         times = on.time + rows * (scenario.step_length / on.speed)
         self._preload = self._loading.at(times)
-        forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
+        forces, stress = coupled.run(condition, on.speed, self._preload, ahead)
         self._forces = forces[-1]
-        require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
         stresses[self._models.dynamics.stress_rows] = stress.T
@@ -238,17 +321,6 @@ class Simulator:
         load = scenario.wheel_load
         preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
         return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
-
-    def _check_steps(self, scenario: Scenario) -> None:
-        """Raise InputError for a speed at which the time of a step is more than the dynamics can follow."""
-        slowest = min([scenario.speed, *(each.speed for each in scenario.speed_plan)])
-        longest = self._models.dynamics.longest_step
-        if scenario.step_length > longest * slowest * (1 + 1e-9):
-            raise InputError(
-                f"speed = {slowest:g} m/s makes steps of {1e3 * scenario.step_length / slowest:.3g} ms, and track.line "
-                f"holds up to {1e3 * longest:g} ms: give a speed from {scenario.step_length / longest:g} m/s, or a "
-                f"step_length up to {longest * slowest:g} m"
-            )
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""

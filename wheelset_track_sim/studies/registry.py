@@ -13,7 +13,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..inputs.schema import unknown
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 
 Draw = Callable[[Path, Scenario, Progress | None], list[Path]]
 

@@ -12,9 +12,7 @@ from typing import Any, Literal
 from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import check, quantity, read, unknown
-from ..runtime.cache import digest
-from ..scenario.scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
-from ..simulation.models import described
+from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
 from .axes import Axis, Point, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
@@ -25,7 +23,7 @@ from .registry import check_figure
 
 
 @dataclass(frozen=True)
-class Window:
+class EvaluationWindow:
     """Track over which a run is evaluated, around the place where angle 0 of the treads meets the rail.
 
     The default is the paper's: three sleeper bays (Section 5.4), with the defect in their middle.
@@ -39,7 +37,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Run:
+class StudyRun:
     """One run of a study."""
 
     points: tuple[Point, ...]
@@ -69,7 +67,7 @@ class Study:
     """Dotted scenario keys that differ from the base scenario in all runs."""
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
-    window: Window = field(default_factory=Window)
+    window: EvaluationWindow = field(default_factory=EvaluationWindow)
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -124,43 +122,30 @@ class Study:
             override(data, change)
         return data
 
-    def runs(self, changes: Sequence[str] = ()) -> tuple[Run, ...]:
+    def runs(self, changes: Sequence[str] = ()) -> tuple[StudyRun, ...]:
         """All runs, the last axis varied fastest; raises InputError for the first that cannot be simulated."""
         if not self.has_runs:
             return ()
         base, axes = self.base(changes), self.axes
-        described = _Described()
-        return tuple(
-            self._run(base, axes, points, described) for points in itertools.product(*(axis.points for axis in axes))
-        )
+        return tuple(self._run(base, axes, points) for points in itertools.product(*(axis.points for axis in axes)))
 
-    def _run(
-        self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...], described: _Described
-    ) -> Run:
+    def _run(self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...]) -> StudyRun:
         data = copy.deepcopy(base)
         place = ", ".join(f"{axis.name} {point.label}" for axis, point in zip(axes, points, strict=True))
         try:
             for axis, point in zip(axes, points, strict=True):
                 for key, value in point.changes:
                     assign(data, key, copy.deepcopy(value), f"vary.{axis.name}: ")
-            for model in ("wheelset", "track"):
-                if isinstance(data[model], str) and data[model] not in shipped.names(f"{model}s"):
-                    data[model] = shipped.load_yaml(f"{model}s", data[model])  # a worker may not have the file
             take_in(data)
             scenario = scenario_from(data)
-            models, nodes = described(scenario)
-            self._check(scenario, nodes)
+            self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
         kept = (self.outputs, self.histories, self.pressures)
-        return Run(points, Job(scenario, models, self.window.before, self.window.after, *kept))
+        return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
-    def _check(self, scenario: Scenario, stress_nodes: Sequence[str]) -> None:
+    def _check(self, scenario: Scenario) -> None:
         """Raise InputError for what the study asks of a run that it does not have."""
-        for index, node in enumerate(scenario.output.stress_nodes):
-            if node not in stress_nodes:
-                where = f"output.stress_nodes.{index} = {node!r}"
-                raise InputError(unknown("stress node of this wheelset", where, node, stress_nodes))
         for index, name in enumerate(self.outputs):
             check_output(name, scenario.output.stress_nodes, f"outputs.{index}")
         if self.window.before > scenario.reference_position + 1e-9:
@@ -168,22 +153,6 @@ class Study:
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
                 f"{scenario.reference_position:g} m, or raise reference_position"
             )
-
-
-class _Described:
-    """Digest and stress nodes of the models of scenarios; each kind of model is read once."""
-
-    def __init__(self) -> None:
-        self._known: dict[str, tuple[str, list[str]]] = {}
-
-    def __call__(self, scenario: Scenario) -> tuple[str, list[str]]:
-        """Raises InputError for models that cannot be used."""
-        parts = [scenario.wheelset, scenario.track, scenario.step_length, scenario.profiles, scenario.lateral_offset]
-        named = digest(parts)
-        if named not in self._known:
-            wheelset, track, geometry = described(scenario)
-            self._known[named] = digest([wheelset, track, geometry]), [node.name for node in wheelset.stress_nodes]
-        return self._known[named]
 
 
 def load_study(name_or_path: str | Path) -> Study:

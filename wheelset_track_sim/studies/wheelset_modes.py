@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 
 from ..errors import InputError
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
+from ..wheelset.kinds import with_geometry
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from ..wheelset.reduction import ModeShapes, mode_shapes, reduced_wheelset
 from ..wheelset.section_mesh import SectionMesh
-from ..wheelset.wheelset import Wheelset, load_wheelset
+from ..wheelset.wheelset import Wheelset
 from . import drawing, mode_drawing
 from .mode_drawing import Mode
 from .wheelset_receptances import watched_node
@@ -34,7 +35,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
     Raises InputError for models that cannot be used, for a wheelset without a mode near those of the figure, and for
     a folder that cannot be written.
     """
-    wheelset, node = load_wheelset(scenario.wheelset), watched_node(scenario)
+    wheelset, node = with_geometry(scenario.wheelset), watched_node(scenario)
     reduced = reduced_wheelset(wheelset, progress=progress)
     report = progress or (lambda stage, fraction: None)
     report("mode shapes", 0.0)
@@ -76,7 +77,7 @@ def _figure(
         f"largest displacement of {1e3 * mode_drawing.LARGEST:g} mm. Right: section through both contacts; thin lines: "
         "at rest. Wheel 1 on the left."
     )
-    with drawing.new_figure(6.8, title, made) as figure:
+    with new_figure(6.8, title, made) as figure:
         rows = figure.subplots(len(modes), 2, width_ratios=(1, 1.25), squeeze=False)
         for (space, section), mode in zip(rows, modes, strict=True):
             mode_drawing.draw_surface(space, mesh, mode)

@@ -10,7 +10,7 @@ from ..bags import Bag
 from ..bags.inputs import Input
 from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
-from ..scenario.scenario import Scenario, scenario_from
+from ..scenario import Scenario, scenario_from
 from ..simulation.speed import Stretch
 
 

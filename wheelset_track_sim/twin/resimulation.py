@@ -20,7 +20,7 @@ from ..live.run_writer import RunWriter
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from ..simulation.simulator import Simulator
 from ..simulation.speed import Stretch
 from ..wheelset.reduced import COMPONENTS

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..inputs.yaml12 import parse
-from ..scenario.scenario import Scenario, override, scenario_from
+from ..scenario import Scenario, override, scenario_from
 from ..scenario.values import values_of, with_values
 
 FIXED = ("name", "step_length")

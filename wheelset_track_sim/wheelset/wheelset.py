@@ -7,14 +7,10 @@ y = 0 and given by their distance from it; the axle and the gearbox are given by
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 from ..errors import InputError
-from ..inputs.schema import quantity, read
-from ..inputs.shipped import load_yaml
+from ..inputs.schema import quantity
 from .equipment import Equipment, PointMass, Ring, clear_of_each_other
 from .parts import Axle, AxleBoxes, BrakeDiscs, Checked, Gearbox, Material, Wheel, increasing
 from .stress_node import StressNode, check_stress_nodes
@@ -108,6 +104,12 @@ class Wheelset:
         return tuple(item for item in self.equipment if isinstance(item, PointMass))
 
     @property
+    def torque_parts(self) -> list[str]:
+        """Names of the parts at which a torque can act."""
+        gearbox = ["gearbox"] if self.gearbox else []
+        return [*gearbox, *(item.name for item in self.equipment), "wheel_1", "wheel_2"]
+
+    @property
     def attached(self) -> tuple[tuple[str, float, float], ...]:
         """Parts of the solid that cover the axle's surface: what, first and last y, m."""
         inner, outer = self.wheel.hub_inner, self.wheel.hub_outer
@@ -131,16 +133,3 @@ class Wheelset:
         """Contact points of wheels 1 and 2: y, m."""
         first, second = self.rolling_circles
         return first + self.contact_shifts[0], second + self.contact_shifts[1]
-
-
-def load_wheelset(source: str | Path | Mapping[str, Any] | Wheelset) -> Wheelset:
-    """Wheelset from a shipped name, a YAML file, or a mapping of its keys.
-
-    Raises InputError in one line for a name, key or value that cannot be used.
-    """
-    if isinstance(source, Wheelset):
-        return source
-    content = source if isinstance(source, Mapping) else load_yaml("wheelsets", source)
-    if isinstance(content, Mapping) and "imported" in content:
-        raise InputError(f"wheelset {content.get('name')} is imported and has no geometry: give one that has")
-    return read(Wheelset, content, "wheelset")

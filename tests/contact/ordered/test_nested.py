@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from wheelset_track_sim.contact import (
     ContactGeometry,
-    Pair,
+    ProfilePair,
     RailHead,
     approach_for_force,
     build_contact_law,
@@ -18,8 +18,6 @@ from wheelset_track_sim.contact.ordered.order_kernels import FAR
 from wheelset_track_sim.contact.ordered.panel_kernels import factored, inverted, multiply, multiply_transposed, row
 from wheelset_track_sim.irregularities import Breakout, Roughness
 from wheelset_track_sim.runtime.jit import kernel
-
-pytestmark = pytest.mark.slow
 
 DX, N_C, N_R = 0.001, 2713, 1200
 NONE = np.empty((0, 0))
@@ -201,6 +199,7 @@ def test_chunks_do_not_change_a_bit(law):
         assert (run(chunk) == whole).all()
 
 
+@pytest.mark.slow
 def test_nothing_adds_up_over_a_long_run(law):
     """After 1e5 steps a solution has the bits of one that begins there."""
     approach = 1.1e-4 + 3e-5 * np.sin(0.02 * np.arange(50_000))
@@ -265,7 +264,7 @@ def test_pressures_act_at_least_as_at_their_mean_distance(smooth):
 
 
 def test_other_geometries():
-    sharp = ContactGeometry(wheel_radius=0.3, pairs=(Pair(rail=RailHead((0.1,), (0.03,))),) * 2)
+    sharp = ContactGeometry(wheel_radius=0.3, pairs=(ProfilePair(rail=RailHead((0.1,), (0.03,))),) * 2)
     law = build_contact_law([], sharp, DX, 2000, tables=False)
     assert (nested_contacts(sharp, 0, law.x, law.y[0], law.separation[0]).element == law.nested[0].element).all()
     for depth in (1e-5, 2e-4):

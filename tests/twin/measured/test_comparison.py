@@ -14,12 +14,12 @@ from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.run_writer import RunWriter
 from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.samples.resampling import band_limited
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.twin.measured import Matching, Measurement, compare
 from wheelset_track_sim.twin.measured.reading import read_measurement
-from wheelset_track_sim.twin.measured.resampling import band_limited
 
 EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 TURN = 2713
@@ -68,7 +68,7 @@ def test_lag_and_gain_are_found_again(
     found = compare(blocks, synthetic(blocks, rate, lag, gain, noise, seed=seed))
     assert abs(found.lag - lag) < 6 * found.uncertainty + 1e-3 * found.step + 1e-12 * abs(lag)
     assert found.uncertainty < 0.2 * found.step
-    for each in found.measures:
+    for each in found.agreement:
         assert each.gain == pytest.approx(gain, rel=0.01 + 0.4 * noise)  # six standard deviations
         assert each.correlation > 0.997 - 0.7 * noise
 
@@ -76,8 +76,8 @@ def test_lag_and_gain_are_found_again(
 def test_a_perfect_measurement_has_no_error(blocks: list[SampleBlock]) -> None:
     found = compare(blocks, synthetic(blocks, 1e4, 0.123456))
     assert found.lag == pytest.approx(0.123456, abs=1e-8)
-    assert found.measures[0].rms_error < 100.0  # of 98 kN: what two filters in a row leave of an impact
-    assert found.measures[2].correlation > 0.99999
+    assert found.agreement[0].rms_error < 100.0  # of 98 kN: what two filters in a row leave of an impact
+    assert found.agreement[2].correlation > 0.99999
     [pair] = found.impacts
     assert pair.signal == "wheel_1"
     assert abs(pair.error) < 1e-3
@@ -174,7 +174,7 @@ def test_a_bag_is_a_measurement_too(bag: Path, blocks: list[SampleBlock]) -> Non
     assert {"wheel_1", "wheel_2", "A1", "A1_yy"} <= measured.signals.keys()
     found = compare(blocks, measured)
     assert found.lag == pytest.approx(0.0, abs=1e-8)
-    assert max(abs(each.mean_error) for each in found.measures) < 1e-3 * 98.1e3
+    assert max(abs(each.mean_error) for each in found.agreement) < 1e-3 * 98.1e3
 
 
 def test_a_part_of_a_long_bag_is_enough(bag: Path, blocks: list[SampleBlock]) -> None:

@@ -6,13 +6,11 @@ import pytest
 from support.advancing import advance_to
 from wheelset_track_sim.dynamics.line import LineModel
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario, scenario_from
+from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.line import track_line
 from wheelset_track_sim.track.track import load_track
-
-pytestmark = pytest.mark.slow
 
 STATIC = 98.1e3
 

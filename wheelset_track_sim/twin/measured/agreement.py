@@ -1,6 +1,6 @@
-"""How well a simulated signal agrees with a measured one.
+"""How well a simulated signal agrees with a measured one, as a whole and impact by impact.
 
-Magnitude and phase are told apart after T. L. Geers (Shock and Vibration Bulletin 54 (1984) 99-107) in the form of
+Magnitude and phase are separated after T. L. Geers (Shock and Vibration Bulletin 54 (1984) 99-107) in the form of
 M. A. Sprague and T. L. Geers (Int. J. Numer. Meth. Eng. 60 (2004) 2467-2499), and after D. M. Russell (68th Shock and
 Vibration Symposium (1997)); both as L. E. Schwer compares them (Engineering with Computers 23 (2007) 295-309). With m
 measured, s simulated, and ``I_ab`` the integral of ``a b``::
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from .alignment import correlation
 
 
 @dataclass(frozen=True)
-class Measures:
+class Agreement:
     """One signal, simulated less measured; in its own unit but for ratios."""
 
     mean_error: float
@@ -56,8 +57,8 @@ class Measures:
         return self.max_simulated - self.max_measured
 
 
-def measures(measured: Real, simulated: Real) -> Measures:
-    """Measures of two signals (n,) on one axis; NaN where a signal that does not change leaves one undefined."""
+def agreement(measured: Real, simulated: Real) -> Agreement:
+    """Agreement of two signals (n,) on one axis; NaN where a signal that does not change leaves one undefined."""
     error = simulated - measured
     rms = float(np.sqrt(np.mean(error**2)))
     level = float(np.sqrt(np.mean(measured**2)))
@@ -68,7 +69,7 @@ def measures(measured: Real, simulated: Real) -> Measures:
     phase = math.acos(min(1.0, max(-1.0, ms / math.sqrt(mm * ss)))) / math.pi if defined else math.nan
     relative = (ss - mm) / math.sqrt(ss * mm) if defined else math.nan
     russell = math.copysign(math.log10(1 + abs(relative)), relative)
-    return Measures(
+    return Agreement(
         mean_error=float(error.mean()),
         rms_error=rms,
         relative_error=rms / level if level > 0 else math.nan,
@@ -84,3 +85,45 @@ def measures(measured: Real, simulated: Real) -> Measures:
         russell_magnitude_error=russell,
         russell_comprehensive_error=math.sqrt(math.pi / 4) * math.hypot(russell, phase),
     )
+
+
+class PairedImpact(NamedTuple):
+    """An impact as measured and as simulated; NaN for the one that did not show it."""
+
+    signal: str
+    at: float
+    """Of the measured peak, on the simulation's axis, s or m; of the simulated one if there is no other."""
+    measured: float
+    """Peak, N."""
+    simulated: float
+    """Peak, N."""
+
+    @property
+    def error(self) -> float:
+        """Of the simulated peak, as a share of the measured one."""
+        return self.simulated / self.measured - 1.0
+
+
+def peaks(at: Real, signal: Real, threshold: float, separation: float) -> list[int]:
+    """Index of the largest value of each stretch above ``threshold``; two nearer than ``separation`` are one."""
+    above = np.flatnonzero(signal > threshold)
+    if not len(above):
+        return []
+    stretches = np.split(above, 1 + np.flatnonzero(np.diff(at[above]) > separation))
+    return [int(stretch[signal[stretch].argmax()]) for stretch in stretches]
+
+
+def paired(
+    name: str, at: Real, measured: Real, simulated: Real, threshold: float, separation: float
+) -> list[PairedImpact]:
+    """Impacts of a signal in the order of the axis; peaks nearer than ``separation`` are one impact."""
+    ours, theirs = (peaks(at, signal, threshold, separation) for signal in (measured, simulated))
+    found = []
+    for peak in ours:
+        near = [other for other in theirs if abs(at[other] - at[peak]) <= separation]
+        match = min(near, key=lambda other: abs(at[other] - at[peak]), default=None)
+        theirs_there = math.nan if match is None else float(simulated[match])
+        found.append(PairedImpact(name, float(at[peak]), float(measured[peak]), theirs_there))
+        theirs = [other for other in theirs if other != match]
+    found += [PairedImpact(name, float(at[peak]), math.nan, float(simulated[peak])) for peak in theirs]
+    return sorted(found, key=lambda pair: pair.at)

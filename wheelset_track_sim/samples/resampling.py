@@ -1,6 +1,6 @@
 """Signals on another axis without aliasing: a windowed sinc wherever the new samples stand.
 
-A new sample is the weighted mean of the old ones around it, by the low pass of ``simulation.decimation``: flat to 80 %
+A new sample is the weighted mean of the old ones around it, by the low pass of ``decimation``: flat to 80 %
 of half the lower of both sampling rates, 80 dB down from there on. New samples may stand between the old ones, so that
 one filter resamples, shifts by parts of a step, and takes away what the slower of two systems cannot show.
 """
@@ -9,66 +9,20 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.interpolate import make_interp_spline
 from scipy.special import i0
 
-from ...errors import InputError
-from ...runtime.arrays import Real
-from ...samples.decimation import PASSBAND, REACH
-from .measurement import Measurement
+from ..runtime.arrays import Real
+from .decimation import PASSBAND, REACH
 
-WIDEST = 3.0
-"""Steps between two samples of an uneven axis at most: more is a gap."""
 FINE = 4096
 """Points a step at which the low pass is tabulated: the error is 1e-7."""
 AT_ONCE = 1 << 22
 """Weights that are worked out at a time."""
 BETA = 0.1102 * (7.95 + 2.285 * 2 * REACH * (1.0 - PASSBAND) * math.pi - 8.7)
 """Of the Kaiser window, as in ``low_pass``."""
-
-
-class Even(NamedTuple):
-    """Signals at even distances."""
-
-    start: float
-    """s or m"""
-    step: float
-    """s or m"""
-    signals: Real
-    """(n, signals)"""
-
-    def count(self, step: float) -> int:
-        """Samples that it has with another step, s or m, from its first one on."""
-        return math.floor((len(self.signals) - 1) * self.step / step + 1e-9) + 1
-
-    def at(self, places: Real, step: float) -> Real:
-        """Signals at ``places`` (m,), s or m from the first one, in the band of a coarser ``step``: (m, signals)."""
-        return band_limited(self.signals, places / self.step, step / self.step)
-
-
-def evenly(measurement: Measurement, widest: float = WIDEST) -> Even:
-    """A measurement at even distances.
-
-    An uneven axis is evened by a spline of the fifth degree; InputError for one with gaps, which are steps of more than
-    ``widest`` of the usual ones.
-    """
-    at, step = measurement.at, measurement.step
-    signals = np.stack([*measurement.signals.values()], axis=-1)
-    if line := measurement.even_line():
-        return Even(*line, signals)
-    widths = np.diff(at)
-    typical = float(np.median(widths))
-    place = int(widths.argmax())
-    if widths[place] > widest * typical:
-        raise InputError(
-            f"{measurement.source} has a gap of {widths[place]:g} behind {at[place]:g}, "
-            f"{widths[place] / typical:.1f} steps wide: give up to {widest:g} steps, or one file for each part"
-        )
-    return Even(float(at[0]), step, make_interp_spline(at, signals, k=5)(at[0] + step * np.arange(len(at))))
 
 
 def band_limited(signals: Real, places: Real, band_step: float = 1.0) -> Real:

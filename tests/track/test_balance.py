@@ -5,8 +5,6 @@ from wheelset_track_sim.track.balance import ORDER, MovingTrack, balanced, grami
 from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.track.track import load_track
 
-pytestmark = pytest.mark.slow
-
 DX = 5e-3
 
 

@@ -19,8 +19,6 @@ from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset, diagon
 from wheelset_track_sim.wheelset.stress_points import around_axle
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
-pytestmark = pytest.mark.slow
-
 WHEEL_LOAD = 98.1e3  # N
 
 
@@ -198,6 +196,7 @@ def test_mode_shapes(x40: Wheelset) -> None:
     assert (np.diff(np.sign(line)) != 0).sum() == 1
 
 
+@pytest.mark.slow
 def test_halving_the_mesh(x40: Wheelset, reduced_x40: ReducedWheelset) -> None:
     fine = build_reduced_wheelset(replace(x40, mesh=x40.mesh.divided(2)), max_frequency=500.0)
     assert static_principal(fine) == pytest.approx(static_principal(reduced_x40), rel=0.01)

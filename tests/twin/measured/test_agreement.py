@@ -7,15 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wheelset_track_sim.twin.measured.impacts import paired, peaks
-from wheelset_track_sim.twin.measured.measures import measures
+from wheelset_track_sim.twin.measured.agreement import agreement, paired, peaks
 
 TIME = np.arange(4000) / 4000
 WAVE = np.sin(2 * np.pi * 10 * TIME)
 
 
 def test_two_signals_that_are_the_same_have_no_error() -> None:
-    found = measures(5 + WAVE, 5 + WAVE)
+    found = agreement(5 + WAVE, 5 + WAVE)
     assert found.rms_error == found.peak_error == found.mean_error == found.magnitude_error == 0
     assert found.phase_error == pytest.approx(0, abs=1e-7)
     assert found.correlation == found.gain == pytest.approx(1)
@@ -23,7 +22,7 @@ def test_two_signals_that_are_the_same_have_no_error() -> None:
 
 @given(st.floats(0.2, 5.0))
 def test_a_factor_is_an_error_of_magnitude_alone(factor: float) -> None:
-    found = measures(WAVE, factor * WAVE)
+    found = agreement(WAVE, factor * WAVE)
     assert found.magnitude_error == pytest.approx(factor - 1, abs=1e-12)
     assert found.phase_error == pytest.approx(0, abs=1e-7)
     assert found.gain == pytest.approx(1 / factor)
@@ -33,7 +32,7 @@ def test_a_factor_is_an_error_of_magnitude_alone(factor: float) -> None:
 
 @given(st.floats(0.0, 0.5))
 def test_a_delay_is_an_error_of_phase_alone(share: float) -> None:
-    found = measures(WAVE, np.sin(2 * np.pi * (10 * TIME - share)))
+    found = agreement(WAVE, np.sin(2 * np.pi * (10 * TIME - share)))
     assert found.phase_error == pytest.approx(2 * share, abs=1e-6)  # of half a wave, which is opposite phase
     assert found.magnitude_error == pytest.approx(0, abs=1e-9)
     assert found.russell_comprehensive_error == pytest.approx(math.sqrt(math.pi / 4) * 2 * share, abs=1e-6)
@@ -41,7 +40,7 @@ def test_a_delay_is_an_error_of_phase_alone(share: float) -> None:
 
 @given(st.floats(-3.0, 3.0))
 def test_an_offset_is_told_by_the_means(offset: float) -> None:
-    found = measures(WAVE + 4.0, WAVE + 4.0 + offset)
+    found = agreement(WAVE + 4.0, WAVE + 4.0 + offset)
     assert found.mean_error == pytest.approx(offset, abs=1e-12)
     assert found.rms_error == pytest.approx(abs(offset), abs=1e-12)
     assert found.relative_error == pytest.approx(abs(offset) / math.sqrt(16.5), abs=1e-9)
@@ -49,7 +48,7 @@ def test_an_offset_is_told_by_the_means(offset: float) -> None:
 
 
 def test_a_signal_that_does_not_change_leaves_ratios_undefined() -> None:
-    found = measures(np.ones(20), WAVE[:20])
+    found = agreement(np.ones(20), WAVE[:20])
     assert math.isnan(found.magnitude_error)
     assert math.isnan(found.gain)
     assert found.rms_error > 0

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from wheelset_track_sim.contact.profile_points import load_points
+from wheelset_track_sim.contact.named_profiles import from_file, plain_profile, read_profile
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.inputs.yaml12 import parse
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 
 
 def table(unit_y="mm", unit_z="mm", scale=1.0):
@@ -19,18 +19,24 @@ def test_files_are_read_in_their_units(tmp_path):
     (tmp_path / "c.yaml").write_text(
         f"y: {[1e-3 * y for y in range(-30, 31)]}\nz: {[-1e-6 * y * y for y in range(-30, 31)]}\n"
     )
-    found = [load_points("wheel", tmp_path / name) for name in ("a.csv", "b.csv", "c.yaml")]
+    found = [read_profile("wheel", tmp_path / name, "it") for name in ("a.csv", "b.csv", "c.yaml")]
     for points in found:
         np.testing.assert_allclose(points.y, np.arange(-30, 31) * 1e-3, atol=1e-11)
         np.testing.assert_allclose(points.z, -1e-6 * np.arange(-30, 31) ** 2, atol=1e-11)
-    assert load_points("rail", found[0].plain()) == found[0]
+    assert read_profile("rail", plain_profile("wheel", found[0]), "it") == found[0]
+    assert from_file("wheel", tmp_path / "a.csv") == plain_profile("wheel", found[0])
+
+
+UPRIGHT = ["profiles.inclination=0.025", "profiles.gauge=1.435"]
 
 
 def test_a_scenario_takes_in_its_files(tmp_path):
     (tmp_path / "tread.csv").write_text(table())
-    scenario = load_scenario("undamaged", [f"profiles.wheel_1={tmp_path / 'tread.csv'}", "profiles.wheel_2=s1002"])
-    assert scenario.profiles.wheel_1["z"][0] == -9e-4
-    assert scenario.profiles.wheel_2 == "s1002"
+    scenario = load_scenario(
+        "undamaged", [f"profiles.wheel_1={tmp_path / 'tread.csv'}", "profiles.wheel_2=s1002_hollow", *UPRIGHT]
+    )
+    assert scenario.profiles.wheel_1.z[0] == -9e-4
+    assert scenario.to_mapping()["profiles"]["wheel_2"] == "s1002_hollow"
     assert scenario_from(parse(scenario.to_yaml(), "its own text")) == scenario
 
 
@@ -50,19 +56,19 @@ def test_files_that_are_no_columns_are_refused(tmp_path, text, words):
     path = tmp_path / "tread.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=words) as refusal:
-        load_points("wheel", path)
+        read_profile("wheel", path, "it")
     assert "\n" not in str(refusal.value)
 
 
 def test_unknown_names_and_files_are_refused(tmp_path):
     with pytest.raises(InputError, match=r"profile of a wheel: did you mean s1002\?.*cylinder, cone_1_40"):
-        load_points("wheel", "s1003")
+        read_profile("wheel", "s1003", "it")
     with pytest.raises(InputError, match="known are head_60e1, head_60e1_points"):
-        load_points("rail", "s1002")
+        read_profile("rail", "s1002", "it")
     with pytest.raises(InputError, match="cannot be read"):
-        load_points("rail", tmp_path / "none.csv")
+        read_profile("rail", tmp_path / "none.csv", "it")
     with pytest.raises(InputError, match=r"points of a wheel\.z is missing"):
-        load_points("wheel", {"y": [0.0]})
+        read_profile("wheel", {"y": [0.0]}, "it")
 
 
 def test_shipped_points_say_where_they_are_from():
@@ -70,11 +76,11 @@ def test_shipped_points_say_where_they_are_from():
         for name in shipped.names(f"{side}_profiles", ".csv"):
             about = [line for line in shipped.text(f"{side}_profiles", f"{name}.csv").splitlines() if line[0] == "#"]
             assert any(word in " ".join(about) for word in ("EN 13715", "EN 13674-1", "Synthetic"))
-            assert len(load_points(side, name).y) > 200
+            assert len(read_profile(side, name, "it").y) > 200
 
 
 def test_s1002_has_the_dimensions_of_the_standard():
-    points = load_points("wheel", "s1002")
+    points = read_profile("wheel", "s1002", "it")
     y, z = np.array(points.y), np.array(points.z)
     assert z[y == 0.0] == 0.0
     assert z.max() == pytest.approx(0.028, abs=1e-7)  # flange height
@@ -88,7 +94,7 @@ def test_s1002_has_the_dimensions_of_the_standard():
 
 
 def test_hollow_wheel_has_lost_material_nowhere_but_on_the_tread():
-    new, worn = (load_points("wheel", name) for name in ("s1002", "s1002_hollow"))
+    new, worn = (read_profile("wheel", name, "it") for name in ("s1002", "s1002_hollow"))
     lost = np.array(new.z) - np.array(worn.z)
     y = np.array(new.y)
     assert 0.5e-3 < lost.max() < 1.6e-3

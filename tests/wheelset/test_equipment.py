@@ -15,10 +15,11 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.wheelset.equipment import PointMass, Ring
 from wheelset_track_sim.wheelset.harmonic_elements import free_unknowns, stiffness_and_mass
 from wheelset_track_sim.wheelset.harmonics import section_motion
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.parts import Material
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.section_mesh import divided, grid, joined
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 STEEL = Material(density=7810.0, youngs_modulus=210e9, poissons_ratio=0.3, mass_damping=0.0, stiffness_damping=0.0)
 RADIUS, LENGTH = 0.03, 2.0  # slender: the beam of Euler and Bernoulli serves
@@ -80,7 +81,6 @@ def test_sag_under_a_weight() -> None:
     assert sag == pytest.approx(LENGTH**3 / (48 * EI) + LENGTH / (4 * shear), rel=0.003)
 
 
-@pytest.mark.slow
 def test_a_mass_slows_the_bounce(x40: Wheelset) -> None:
     coarse = replace(x40, mesh=x40.mesh.divided(0.5), stress_nodes=())
     motor = PointMass("motor", y=0.0, length=0.1, mass=400.0, inertia=30.0)
@@ -94,7 +94,6 @@ def test_a_mass_slows_the_bounce(x40: Wheelset) -> None:
     assert standing[0] == pytest.approx(standing[1], rel=1e-9)
 
 
-@pytest.mark.slow
 def test_a_ring_is_what_a_gearbox_is(x40: Wheelset) -> None:
     """The same hollow cylinder under another name gives the same wheelset."""
     assert x40.gearbox is not None

@@ -12,8 +12,6 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.runtime import cache
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 
-pytestmark = pytest.mark.slow
-
 
 def two_oscillators() -> tuple[ReducedWheelset, np.ndarray, np.ndarray, np.ndarray]:
     """One underdamped and one overdamped mode, with the modal data that made them."""

@@ -8,12 +8,10 @@ import pytest
 from wheelset_track_sim.contact import approach_for_force, build_contact_law
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Roughness
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.changes import Condition, Revision
 from wheelset_track_sim.simulation.coupled import Coupled
 from wheelset_track_sim.simulation.models import load_models, with_own_state
-
-pytestmark = pytest.mark.slow
 
 RAIL_STEPS = 1200
 
