@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import Bag, BagWriter, RunInfo, read
+from wheelset_track_sim.bags import Bag, BagWriter, RunInfo, read_bag
 from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.irregularities import Breakout, Harmonic, Polygon, Squat
@@ -68,7 +68,7 @@ def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
     assert found.samples == 3 * TURN
     assert found.before == found.after
     assert [change.revision for change in found.inputs.changes] == [*range(6)]
-    first, second = read(bag), read(tmp_path / "again.mcap")
+    first, second = read_bag(bag), read_bag(tmp_path / "again.mcap")
     for name in ("steps", "time", "speed", "revision", "forces", "stresses"):
         np.testing.assert_array_equal(getattr(second, name), getattr(first, name))
     for one, other in zip(second.states, first.states, strict=True):
@@ -144,7 +144,7 @@ def test_a_recording_that_was_started_late_is_simulated_from_the_start_of_its_ru
     simulator.apply(dataclasses.replace(simulator.scenario, axle_load=180e3, speed=29.0))
     simulator.advance(1500)
     bag = recorded(tmp_path / "late", simulator, [(1800, {"axle_load": 190e3})], 4000)
-    assert read(bag).steps[0] == 1500
+    assert read_bag(bag).steps[0] == 1500
     assert resimulate(bag).identical
 
 
@@ -242,4 +242,6 @@ def test_a_damaged_bag_is_compared_as_far_as_it_can_be_read(bag: Path, tmp_path:
     assert found.lost
     assert 0 < found.samples < 3 * TURN
     assert found.identical == (not found.unknown)
-    assert len(read(tmp_path / "whole.mcap")) >= found.samples  # what is missing in between is simulated all the same
+    assert (
+        len(read_bag(tmp_path / "whole.mcap")) >= found.samples
+    )  # what is missing in between is simulated all the same

@@ -1,6 +1,6 @@
 """Runs as MCAP bags: written and read without ROS."""
 
-from .arrays import Recording, blocks, read
+from .arrays import Recording, blocks, read_bag
 from .bag import Bag
 from .bag_writer import BagWriter
 from .losses import Damage, Gap, Loss
@@ -19,5 +19,5 @@ __all__ = [
     "RunInfo",
     "State",
     "blocks",
-    "read",
+    "read_bag",
 ]

@@ -76,6 +76,13 @@ class Scenario:
     ------
     InputError
         In one line with the dotted key, for any value that cannot be used, by itself or with the others.
+
+    Examples
+    --------
+    >>> scenario = load_scenario("damage_wheel_1")
+    >>> faster = dataclasses.replace(scenario, name="faster", speed=40.0)
+    >>> faster.track.rail.EI, faster.wheelset.name, faster.irregularities[0].h
+    (6405000.0, 'x40', 0.002)
     """
 
     name: str

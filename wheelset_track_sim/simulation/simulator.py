@@ -71,6 +71,17 @@ class Simulator:
     A simulator is constructed, which builds its models; settled, which runs it on smooth treads until it is steady; and
     advanced. ``advance`` and ``apply`` may be called from different threads.
 
+    Parameters
+    ----------
+    scenario
+        What is simulated.
+    progress
+        Called with stage and fraction while models are built.
+    models
+        Models of an earlier run, which serve again if nothing but ``CHANGEABLE`` keys differs.
+    start
+        Where a run begins that does not begin with step 0, with its speed and the speed that it approaches.
+
     Examples
     --------
     >>> simulator = Simulator(load_scenario("undamaged"))
@@ -87,19 +98,7 @@ class Simulator:
         models: Models | None = None,
         start: Stretch | None = None,
     ) -> None:
-        """Load or build the models and the contact of treads and rails; nothing is run yet.
-
-        Parameters
-        ----------
-        scenario
-            What is simulated.
-        progress
-            Called with stage and fraction while models are built.
-        models
-            Models of an earlier run, which serve again if nothing but ``CHANGEABLE`` keys differs.
-        start
-            Where a run begins that does not begin with step 0, with its speed and the speed that it approaches.
-        """
+        """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan

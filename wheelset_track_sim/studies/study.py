@@ -57,7 +57,21 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """What a study file says."""
+    """A study: a base scenario, what is varied, what is kept of each run, and what is drawn.
+
+    ``docs/studies.md`` describes the keys. ``run_study`` runs it.
+
+    Raises
+    ------
+    InputError
+        For axes, outputs or figures that do not exist.
+
+    Examples
+    --------
+    >>> study = Study(title="Speed", vary={"speed": [20.0, 30.0]}, outputs=("wheels.wheel_1.max_force",))
+    >>> [run.scenario.speed for run in study.runs()]
+    [20.0, 30.0]
+    """
 
     title: str
     description: str = ""
@@ -156,7 +170,23 @@ class Study:
 
 
 def load_study(name_or_path: str | Path) -> Study:
-    """Study from a shipped name or a file; raises InputError in one line for anything that cannot be used."""
+    """Load a study.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a shipped study, such as ``speed``, or path of a YAML file.
+
+    Raises
+    ------
+    InputError
+        In one line, for anything that cannot be used.
+
+    Examples
+    --------
+    >>> [axis.name for axis in load_study("depth").axes]
+    ['size', 'irregularities.0.h']
+    """
     try:
         return read(Study, shipped.load_yaml("studies", name_or_path), "")
     except InputError as refusal:
