@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from support.toy import toy_simulator
 from wheelset_track_sim.bags import BagWriter, RunInfo, State
 from wheelset_track_sim.samples.block import SampleBlock
-from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 # The first example may compile a kernel, and machines are shared: no test is about seconds. All tests together try the
@@ -107,10 +107,10 @@ def run_blocks() -> list[SampleBlock]:
 
 
 @pytest.fixture
-def damaged() -> Simulator:
-    return Simulator(load_scenario("damage_wheel_1"))
+def smooth() -> Simulator:
+    return toy_simulator()
 
 
 @pytest.fixture
-def smooth() -> Simulator:
-    return Simulator(load_scenario("undamaged"))
+def damaged() -> Simulator:
+    return toy_simulator(like="damage_wheel_1")

@@ -41,7 +41,6 @@ def test_cholesky_refuses_an_indefinite_matrix():
     assert not cholesky(np.array([[np.nan]]))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("wheel", "tread"), [(0, 0), (0, 21), (0, -30), (0, 1000), (1, 0), (1, 15)])
 @pytest.mark.parametrize("compliance", [0.0, 2e-10])
 def test_contact_conditions_hold_on_every_element(law, wheel, tread, compliance):

@@ -15,8 +15,6 @@ from wheelset_track_sim.irregularities import (
     Squat,
 )
 
-pytestmark = pytest.mark.slow
-
 DX, N_C = 0.001, 2713
 GEOMETRY = ContactGeometry()
 

@@ -13,8 +13,6 @@ from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def wheelset() -> ReducedWheelset:

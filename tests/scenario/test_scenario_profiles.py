@@ -139,7 +139,6 @@ def test_points_that_end_in_the_contact_area_are_refused():
         dataclasses.replace(scenario, irregularities=(Breakout("wheel_1", 0.03, 0.024, 0.008),))
 
 
-@pytest.mark.slow
 def test_a_contact_at_the_largest_force_lies_in_the_area():
     for name, offset in (("lateral_offset", 0.003), ("worn_profiles", -0.002), ("worn_profiles", 0.002)):
         law = law_of(geometry_of(name, f"lateral_offset={offset}"))
@@ -147,7 +146,6 @@ def test_a_contact_at_the_largest_force_lies_in_the_area():
             assert force_at(law, wheel, 0, 0, approach_for_force(law, wheel, 0, 0, 599e3)) == pytest.approx(599e3)
 
 
-@pytest.mark.slow
 def test_defects_change_live_on_worn_profiles():
     scenario = load_scenario("worn_profiles")
     simulator = Simulator(dataclasses.replace(scenario, irregularities=()))

@@ -13,8 +13,6 @@ from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.preload import Loading
 from wheelset_track_sim.simulation.simulator import Simulator
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def models():
@@ -40,8 +38,12 @@ def advanced(simulator, steps, chunk=700):
     [
         (polygons(1e-4), polygons(3e-4)),
         (polygons(2e-4), ()),
-        ((), ROUGH),
-        (ROUGH, (Roughness("wheel_1", seed=9), Corrugation("rail_1", wavelength=0.045, amplitude=2e-5))),
+        pytest.param((), ROUGH, marks=pytest.mark.slow),
+        pytest.param(
+            ROUGH,
+            (Roughness("wheel_1", seed=9), Corrugation("rail_1", wavelength=0.045, amplitude=2e-5)),
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=["polygon grows", "polygon goes", "roughness comes", "roughness becomes another"],
 )
@@ -109,6 +111,7 @@ def test_a_run_begins_with_what_never_leaves_the_patch(models):
     assert np.abs(forces - smooth)[200:].max() > 3e3
 
 
+@pytest.mark.slow
 def test_made_again_at_its_step_a_change_gives_the_same_bits(models):
     scenario = dataclasses.replace(load_scenario("undamaged"), irregularities=polygons(1e-4))
     changed = dataclasses.replace(scenario, irregularities=ROUGH)

@@ -9,8 +9,6 @@ from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.preload import RISE, Loading
 from wheelset_track_sim.simulation.simulator import Simulator
 
-pytestmark = pytest.mark.slow
-
 LOAD = load_scenario("undamaged").axle_load
 
 

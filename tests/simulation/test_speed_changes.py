@@ -14,8 +14,6 @@ from wheelset_track_sim.simulation.changes import Revision
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.speed import LEVEL
 
-pytestmark = pytest.mark.slow
-
 BAY = 600
 STATIC = 98.1e3
 
@@ -95,9 +93,9 @@ def test_a_ramp_takes_its_time_and_its_way() -> None:
     assert simulator.time == pytest.approx(3.75 / 2, abs=5e-3)
 
 
-def test_force_is_continuous_at_a_border(smooth: Simulator) -> None:
+def test_force_is_continuous_at_a_border() -> None:
     """Against the same run without the change: the difference has no jump where the speed has one."""
-    other = Simulator(smooth.scenario)
+    smooth, other = (Simulator(load_scenario("undamaged")) for _ in range(2))
     change(smooth, acceleration=10.0, speed=28.2)
     first, last = (stretch.step for stretch in _known(smooth)[1:])
     other.advance(1)
@@ -159,8 +157,10 @@ def test_paper_dynamics_keep_their_speed() -> None:
         load_scenario("undamaged", ["dynamics=paper", "speed_plan=[{time: 1, speed: 30}]"])
 
 
-def test_paper_dynamics_keep_their_speed_while_they_run() -> None:
-    simulator = Simulator(load_scenario("undamaged", ["dynamics=paper"]))
+@pytest.mark.slow
+def test_paper_dynamics_keep_their_speed_while_they_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wheelset_track_sim.simulation.simulator.SETTLING", 0.02)
+    simulator = Simulator(load_scenario("undamaged", ["dynamics=paper", "speed=25"]))
     with pytest.raises(InputError, match="speed cannot change in paper dynamics"):
         change(simulator, speed=30.0)
     change(simulator, acceleration=1.0)
@@ -169,10 +169,11 @@ def test_paper_dynamics_keep_their_speed_while_they_run() -> None:
 
 @pytest.fixture(scope="module")
 def line() -> list[SampleBlock]:
-    """40 km/h to 220 km/h and back, in the same number of levels and half the time."""
-    simulator = Simulator(load_scenario("line_speeds", ["acceleration=1"]))
+    """40 km/h to 220 km/h and back, in the same number of levels and a quarter of the time."""
+    plan = "speed_plan=[{time: 2, speed: 61.1111111}, {time: 33, speed: 11.1111111}]"
+    simulator = Simulator(load_scenario("line_speeds", ["acceleration=2", plan]))
     blocks = []
-    while simulator.time < 190.0:
+    while simulator.time < 65.0:
         blocks.append(simulator.advance(10**5))
     assert {40.0, 220.0} <= {round(3.6 * block.speed, 3) for block in blocks}
     return blocks
@@ -185,6 +186,7 @@ def steady(speed: float) -> np.ndarray:
     return simulator.advance(2 * BAY).forces
 
 
+@pytest.mark.slow
 def test_force_is_continuous_from_40_to_220_and_back(line: list[SampleBlock]) -> None:
     """The shape of the force over a bay changes smoothly: no border stands out from the same place a bay before."""
     force = joined(line)
@@ -198,6 +200,7 @@ def test_force_is_continuous_from_40_to_220_and_back(line: list[SampleBlock]) ->
     assert np.abs(np.diff(force, axis=0)).max() < 1.5 * largest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kmh", [40, 220])
 def test_plateaus_are_those_of_constant_speed(line: list[SampleBlock], kmh: int) -> None:
     """4 s after a ramp what is left of it is 1 N at most: the track has forgotten it, the suspension nearly."""

@@ -14,8 +14,6 @@ from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.scenario import WHEELS, Scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
-pytestmark = pytest.mark.slow
-
 SMALL = {"a": 0.006, "b": 0.005, "h": 0.0002}
 PATIENCE = 60.0
 

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
+from wheelset_track_sim.wheelset.harmonics import HarmonicModel
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
@@ -138,6 +139,20 @@ def bricks(wheelset: Wheelset, mesh: SectionMesh, sectors: int) -> Bricks:
         mass.tocsc()[free][:, free].tocsc(),
         elasticity,
     )
+
+
+def on_bricks(solid: Bricks, model: HarmonicModel, unknowns: Real) -> Real:
+    """Displacements of a harmonic at the free unknowns of the bricks."""
+    u_r, u_y, u_t = (model.free @ unknowns).reshape(-1, 3).T
+    field = np.zeros((len(solid.points), 3))
+    for index, angle in enumerate(solid.angles):
+        there = solid.numbers[:, index] >= 0
+        radial, around = u_r[there] * np.cos(model.n * angle), u_t[there] * np.sin(model.n * angle)
+        along = u_y[there] * np.cos(model.n * angle)
+        down = radial * np.cos(angle) - around * np.sin(angle)
+        across = radial * np.sin(angle) + around * np.cos(angle)
+        field[solid.numbers[there, index]] = np.stack([along, down, across], axis=1)
+    return field.ravel()[solid.free]
 
 
 def _revolved(mesh: SectionMesh, sectors: int) -> tuple[Index, Index]:

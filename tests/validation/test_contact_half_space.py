@@ -3,35 +3,14 @@
 import numpy as np
 import pytest
 
+from support.half_space import half_space
 from wheelset_track_sim.contact import ContactGeometry, build_contact_law, solve_patch
-from wheelset_track_sim.contact.law import ELEMENT_WIDTH
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Breakout
 
 pytestmark = pytest.mark.slow
 
-contact_mechanics = pytest.importorskip("ContactMechanics")
-topography = pytest.importorskip("SurfaceTopography")
 DX = 0.001
-
-
-def half_space(gap, contact_modulus, force):
-    """Pressure, Pa, on the same elements and approach, m, under ``force`` by Polonsky and Keer's method.
-
-    It is asked at a force, not at an approach: there its method can cycle. Lengths in elements, stresses in E*.
-    """
-    nx, ny = gap.shape
-    size = (float(nx), ny * ELEMENT_WIDTH / DX)
-    substrate = contact_mechanics.FreeFFTElasticHalfSpace((nx, ny), 1.0, size)
-    # Where there is no rail the surface is out of reach.
-    heights = -np.minimum(gap, 0.1) / DX
-    surface = topography.Topography(heights, size)
-    system = contact_mechanics.make_system(substrate=substrate, surface=surface)
-    result = system.minimize_proxy(
-        external_force=force / (contact_modulus * DX**2), pentol=1e-9, forcetol=1e-9, maxiter=3000
-    )
-    assert result.success
-    return np.asarray(result.jac)[:nx, :ny] * contact_modulus * DX / ELEMENT_WIDTH, result.offset * DX
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from test_contact_half_space import half_space
 
+from support.half_space import half_space
 from wheelset_track_sim.contact import (
     ContactGeometry,
     HertzContact,
@@ -81,7 +81,6 @@ def test_points_of_60e1_bear_as_its_arcs_do():
 
 @pytest.mark.parametrize("depth", [1e-4, 2e-4])
 def test_pressure_agrees_with_another_half_space_solver(geometry, depth):
-    pytest.importorskip("ContactMechanics")
     law = law_of(geometry, DEFECTS)
     for wheel in (0, 1):
         for tread in (0, 4, 1000):

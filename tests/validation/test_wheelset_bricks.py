@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from support.wheelset_bricks import Bricks, bricks
+from support.wheelset_bricks import Bricks, bricks, on_bricks
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
-from wheelset_track_sim.wheelset.harmonics import HARMONICS, HarmonicModel, harmonic
+from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
 from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
@@ -40,20 +39,6 @@ def pair() -> Pair:
     return Pair(x40, mesh, bricks(x40, mesh, SECTORS))
 
 
-def on_bricks(pair: Pair, model: HarmonicModel, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Displacements of a harmonic at the free unknowns of the bricks."""
-    u_r, u_y, u_t = (model.free @ unknowns).reshape(-1, 3).T
-    field = np.zeros((len(pair.solid.points), 3))
-    for index, angle in enumerate(pair.solid.angles):
-        there = pair.solid.numbers[:, index] >= 0
-        radial, around = u_r[there] * np.cos(model.n * angle), u_t[there] * np.sin(model.n * angle)
-        along = u_y[there] * np.cos(model.n * angle)
-        down = radial * np.cos(angle) - around * np.sin(angle)
-        across = radial * np.sin(angle) + around * np.cos(angle)
-        field[pair.solid.numbers[there, index]] = np.stack([along, down, across], axis=1)
-    return field.ravel()[pair.solid.free]
-
-
 def test_modes_agree(pair: Pair) -> None:
     frequencies, shapes = pair.solid.modes(60)
     weighted = pair.solid.mass @ shapes
@@ -63,7 +48,7 @@ def test_modes_agree(pair: Pair) -> None:
         own, modes = model.modes(0.98 * frequencies.max())
         differences = []
         for frequency, mode in zip(own, modes.T, strict=True):
-            field = on_bricks(pair, model, mode)
+            field = on_bricks(pair.solid, model, mode)
             # Half of the energy is in half of the model.
             match = (field @ weighted) ** 2 / (field @ (pair.solid.mass @ field))
             near = np.abs(frequencies / frequency - 1) < 0.02

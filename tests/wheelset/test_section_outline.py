@@ -19,7 +19,6 @@ def revolved_volume(outline: np.ndarray) -> float:
     return float(abs(np.sum((y1 - y0) * (r0 * r0 + r0 * r1 + r1 * r1)) * np.pi / 3))
 
 
-@pytest.mark.slow
 def test_outlines_enclose_the_wheelsets_mass(x40: Wheelset, reduced_x40: ReducedWheelset) -> None:
     equipped = replace(
         x40,

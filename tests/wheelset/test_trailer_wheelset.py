@@ -20,8 +20,6 @@ from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
-pytestmark = pytest.mark.slow
-
 MIRRORED = np.array([1, 1, 1, -1, 1, -1])
 """Signs of xx, yy, zz, xy, xz, yz in a mirror across y."""
 

@@ -100,14 +100,12 @@ def _elements() -> Any:
 
 def _bricks() -> Any:
     """Harmonic elements against 20-node bricks on the same section mesh: modes and statics."""
-    sys.path.insert(0, str(ROOT / "tests" / "validation"))
-    from test_wheelset_bricks import Pair, on_bricks
-    from wheelset_bricks import bricks
+    sys.path.insert(0, str(ROOT / "tests"))
+    from support.wheelset_bricks import bricks, on_bricks
 
     x40 = load_wheelset("x40")
     mesh = wheelset_mesh(x40, COARSE)
     solid = bricks(x40, mesh, SECTORS)
-    pair = Pair(x40, mesh, solid)
     frequencies, shapes = solid.modes(60)
     weighted = solid.mass @ shapes
     modes = []
@@ -116,7 +114,7 @@ def _bricks() -> Any:
         own, found = model.modes(0.98 * frequencies.max())
         gaps = []
         for frequency, mode in zip(own, found.T, strict=True):
-            field = on_bricks(pair, model, mode)
+            field = on_bricks(solid, model, mode)
             match = (field @ weighted) ** 2 / (field @ (solid.mass @ field))
             near = np.abs(frequencies / frequency - 1) < 0.02
             gaps.append(abs(float(frequencies[near] @ match[near] / match[near].sum()) / float(frequency) - 1))

@@ -19,8 +19,6 @@ from wheelset_track_sim.contact.ordered.panel_kernels import factored, inverted,
 from wheelset_track_sim.irregularities import Breakout, Roughness
 from wheelset_track_sim.runtime.jit import kernel
 
-pytestmark = pytest.mark.slow
-
 DX, N_C, N_R = 0.001, 2713, 1200
 NONE = np.empty((0, 0))
 
@@ -201,6 +199,7 @@ def test_chunks_do_not_change_a_bit(law):
         assert (run(chunk) == whole).all()
 
 
+@pytest.mark.slow
 def test_nothing_adds_up_over_a_long_run(law):
     """After 1e5 steps a solution has the bits of one that begins there."""
     approach = 1.1e-4 + 3e-5 * np.sin(0.02 * np.arange(50_000))

@@ -1,0 +1,137 @@
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wheelset_track_sim.bags import read
+from wheelset_track_sim.cli import main
+
+
+def test_run_prints_one_json_object(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "damage_wheel_1", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["steps"] == 2713
+    assert result["simulated_s"] == pytest.approx(2.713 / 27.7777778)
+    assert result["real_time_factor"] == pytest.approx(result["simulated_s"] / result["wall_s"])
+    assert result["scenario"] == "damage_wheel_1"
+    assert len(result["digest"]) == 32
+    assert set(result["wheels"]) == {"wheel_1", "wheel_2"}
+    assert set(result["wheels"]["wheel_1"]) == {"max_force_N", "min_force_N", "contact_loss_s"}
+    assert set(result["nodes"]) == {"A1", "B1", "C1"}
+    # the figures that the issue of this scenario bounds
+    assert 280e3 < result["wheels"]["wheel_1"]["max_force_N"] < 305e3
+    assert result["wheels"]["wheel_1"]["min_force_N"] == 0
+    assert result["wheels"]["wheel_1"]["contact_loss_s"] > 0
+    assert result["nodes"]["A1"]["max_principal_Pa"] == pytest.approx(93.7e6, rel=0.05)
+
+
+def test_smooth_wheels_run_near_102_kn_and_the_statics(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "undamaged", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    for wheel in result["wheels"].values():
+        assert wheel["max_force_N"] == pytest.approx(102e3, rel=0.01)
+        assert wheel["contact_loss_s"] == 0
+    for node, static in (("A1", 66e6), ("B1", 63e6), ("C1", 60e6)):
+        assert result["nodes"][node]["min_principal_Pa"] < 1.02 * static
+        assert result["nodes"][node]["max_principal_Pa"] > 0.98 * static
+
+
+def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "run.mcap"
+    assert main(["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]) == 0
+    assert "contact force wheel_1" in capsys.readouterr().out
+    recording = read(bag)
+    assert len(recording) == 3600
+    assert np.all(np.diff(recording.steps) == 1)
+    assert main(["report", str(bag), "--out", str(tmp_path / "page.html")]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"run.mcap", "page.html", "page.png"}
+    assert main(["run", "undamaged", "--out", str(bag)]) == 2
+    assert "exists already" in capsys.readouterr().err
+    assert len(read(bag)) == 3600
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "damage_whel_1"], "did you mean damage_wheel_1"),
+        (["run", "undamaged", "--set", "speed=-1"], "from 5 to 100 m/s"),
+        (["run", "undamaged", "--set", "spede=30"], "did you mean speed"),
+        (["run", "undamaged", "--set", "wheelset=x41"], "x40"),
+        (["run", "undamaged", "--set", "track=nowhere"], "ballasted_60e1"),
+        (["run", "undamaged", "--set", "output.stress_nodes=[Z1]"], "A1"),
+        (["run", "undamaged", "--set", "step_length=0.0007"], "does not divide"),
+        (["run", "undamaged", "--dynamics", "quick"], "causal, paper"),
+        (["run", "undamaged", "--duration", "nan"], "--duration"),
+        (["run", "undamaged", "--duration", "-1"], "--duration"),
+        (["run", "undamaged", "--duration", "soon"], "--duration"),
+        (["run", "undamaged", "--out", "/proc/nowhere/run.mcap"], "cannot be written"),
+        (["walk"], "invalid choice"),
+        ([], "COMMAND"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    lines = [line for line in printed.err.splitlines() if not line.endswith(": done")]  # progress of models
+    assert len(lines) == 1
+    assert lines[0].startswith("wheelset-track-sim: ")
+    assert words in lines[0]
+
+
+@pytest.mark.parametrize("bag", ["none.mcap", "."])
+def test_a_missing_bag_is_bad_input_in_one_line(
+    bag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for arguments in (["report"], ["info"], ["recover"], ["resimulate"]):
+        assert main([*arguments, bag]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith("give a bag folder or an .mcap file")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
+    assert len(commands) == 11
+    for name, words in commands:
+        with pytest.raises(SystemExit):
+            main([name, "--help"])
+        assert words.lower() in capsys.readouterr().out.lower()
+
+
+INTERRUPTIBLE = """
+import signal, sys
+from wheelset_track_sim.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job of a shell ignores it
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_an_interrupted_run_leaves_a_readable_bag(tmp_path: Path) -> None:
+    bag = tmp_path / "long.mcap"
+    arguments = ["run", "undamaged", "--duration", "5000", "--out", str(bag)]
+    process = subprocess.Popen([sys.executable, "-c", INTERRUPTIBLE, *arguments], stderr=subprocess.PIPE, text=True)
+    try:
+        while not bag.exists() or bag.stat().st_size < 2e6:
+            assert process.poll() is None
+            os.sched_yield()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 1
+    assert "interrupted" in errors.splitlines()[-1]
+    assert len(read(bag)) > 1000
