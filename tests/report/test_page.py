@@ -15,8 +15,8 @@ from wheelset_track_sim.errors import InputError
 
 pytest.importorskip("bokeh", reason="the page needs the extra report")
 
+from wheelset_track_sim.report.files import write_whole
 from wheelset_track_sim.report.page import write_report
-from wheelset_track_sim.report.whole_file import write_whole
 
 
 class Page(HTMLParser):

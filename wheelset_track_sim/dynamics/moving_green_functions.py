@@ -21,7 +21,7 @@ import scipy
 
 from ..runtime.arrays import Real
 from ..runtime.cache import cached
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from ..track.bloch import bloch_track
 from ..track.timoshenko import deflection_row, transfer_matrix
 from ..track.track import HALVES, Half, Track
@@ -131,7 +131,7 @@ def _functions(
     starts: int,
     progress: Progress | None,
 ) -> MovingGreenFunctions:
-    report = progress or (lambda what, fraction: None)
+    report = progress or unreported
     steps = round(track.spacing / dx)
     df = speed / (PERIOD_SLACK * bays * track.spacing)
     omega = 2.0 * np.pi * df * np.arange(int(max_frequency / df) + 1)

@@ -17,10 +17,9 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, combine, summarise
 from ..scenario import Scenario, scenario_from
-from .closeups import Closeup, Closeups
 from .envelope import Bins, Envelope
 from .published import LoadCase, published_case
-from .samples import SampleSeries, joined, samples_of
+from .samples import Closeup, Closeups, SampleSeries, joined, samples_of
 from .spectrum import Spectrum, Welch
 
 BEFORE, AFTER = 0.9, 1.8

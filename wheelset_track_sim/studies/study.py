@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -12,14 +12,24 @@ from typing import Any, Literal
 from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import check, quantity, read, unknown
+from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
+from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
 from .outputs import check_output
 from .pressure_maps import PressureMaps
-from .registry import check_figure
+
+FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
+    "wheelset_receptances": wheelset_receptances.draw,
+    "wheelset_modes": wheelset_modes.draw,
+    "track_receptances": track_receptances.draw,
+    "moving_green_functions": moving_green_functions.draw,
+}
+"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
+returns what it wrote."""
 
 
 @dataclass(frozen=True)
@@ -91,14 +101,15 @@ class Study:
     drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
-    """Figures that are drawn from the models, without runs: see ``registry``."""
+    """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
         for name in ("set", "vary"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name} = {getattr(self, name)!r} is not a mapping of scenario keys")
-        for index, figure in enumerate(self.figures):
-            check_figure(figure, f"figures.{index}")
+        for index, name in enumerate(self.figures):
+            if name not in FIGURES:
+                raise InputError(unknown("figure", f"figures.{index} = {name!r}", name, [*FIGURES]))
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
