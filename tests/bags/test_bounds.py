@@ -11,8 +11,6 @@ from wheelset_track_sim.bags.bag import Bag
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.yaml12 import parse
 
-pytestmark = pytest.mark.slow
-
 START_NS = 1_700_000_000_000_000_000
 SAMPLES = 1389
 """Of a block: 50 ms."""

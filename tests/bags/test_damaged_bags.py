@@ -11,8 +11,6 @@ from wheelset_track_sim.bags import Bag, BagWriter, Damage, Gap, State
 from wheelset_track_sim.bags.run_info import RunInfo
 from wheelset_track_sim.errors import RecordingError
 
-pytestmark = pytest.mark.slow
-
 CHUNKS = 12
 LENGTH = 300
 

@@ -67,7 +67,7 @@ def assert_recovered(path, out, undisturbed):
             assert sum(1 for _ in make_reader(stream, validate_crcs=True).iter_messages()) > 0
 
 
-@pytest.mark.parametrize("count", [3, pytest.param(50, marks=[pytest.mark.slow, pytest.mark.timeout(600)])])
+@pytest.mark.parametrize("count", [3, pytest.param(50, marks=pytest.mark.timeout(600))])
 def test_of_a_recorder_that_is_killed_hardly_anything_is_missing(tmp_path, count):
     killed = kill_recorders(tmp_path, count, seed=count)
     assert len(killed) == count

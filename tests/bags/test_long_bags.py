@@ -32,7 +32,6 @@ class Memory:
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs what Linux tells of memory")
-@pytest.mark.slow
 def test_memory_does_not_grow_with_a_bag(tmp_path, run_info, make_block):
     some = [make_block(SAMPLES * number, SAMPLES) for number in range(20)]
     step_period, writing, reading = some[0].step_period, Memory(), Memory()

@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from wheelset_track_sim.bags import Bag, BagWriter, Gap, blocks, read
-from wheelset_track_sim.bags.mcap.source import McapSource
+from wheelset_track_sim.bags.mcap.reader import McapReader
 from wheelset_track_sim.bags.window import Window, first_chunk
 from wheelset_track_sim.errors import InputError, RecordingError
 
@@ -50,14 +50,14 @@ def test_any_time(bag, whole, start, length):
 
 def test_only_what_is_needed_is_read(bag, whole, monkeypatch):
     asked = []
-    real = McapSource.chunks_at
+    real = McapReader.chunks_at
 
     def chunks_at(self, places):
         for place in places:
             asked.append(place)
             yield from real(self, [place])
 
-    monkeypatch.setattr(McapSource, "chunks_at", chunks_at)
+    monkeypatch.setattr(McapReader, "chunks_at", chunks_at)
     found = [*blocks(bag, steps=(600, 640))]
     assert [block.first_step for block in found] == [600, 625]
     assert len(asked) <= 6 + 5  # bisection, then the blocks with one before and one behind
@@ -91,7 +91,7 @@ def test_what_is_not_there(bag):
 
 def test_parts_of_a_damaged_bag(bag, whole, tmp_path):
     content = bytearray(bag.read_bytes())
-    place = Bag(bag).source._places(("ContactForces",))[21][1]
+    place = Bag(bag).reader._places(("ContactForces",))[21][1]
     content[place + 300] ^= 1
     path = tmp_path / "run.mcap"
     path.write_bytes(content)

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from wheelset_track_sim.bags import Bag, BagWriter, blocks, read
-from wheelset_track_sim.bags.files import beside
+from wheelset_track_sim.bags.bag_reader import beside
 from wheelset_track_sim.bags.messages import chunk_messages
 from wheelset_track_sim.errors import InputError, RecordingError
-from wheelset_track_sim.live.run_writer import RunWriter
+from wheelset_track_sim.live import run_messages
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
@@ -195,11 +195,11 @@ def test_what_is_broken_off_within_a_chunk_leaves_no_half_of_it(tmp_path, run_in
 
 
 def test_a_run_that_is_broken_off_before_it_begins_leaves_nothing(tmp_path, monkeypatch):
-    def interrupted(simulator):
+    def interrupted(state, start_ns):
         raise KeyboardInterrupt
 
     simulator = Simulator(load_scenario("undamaged"))
-    monkeypatch.setattr("wheelset_track_sim.live.run_writer.state", interrupted)
-    with pytest.raises(KeyboardInterrupt), RunWriter(tmp_path / "run", simulator):
+    monkeypatch.setattr(run_messages, "state_message", interrupted)
+    with pytest.raises(KeyboardInterrupt), run_messages.record(tmp_path / "run", simulator):
         pass
     assert [*tmp_path.iterdir()] == []

@@ -16,8 +16,6 @@ from wheelset_track_sim.bags.snapshots import SnapshotWriter, writer_of
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.samples.impacts import Impact
 
-pytestmark = pytest.mark.slow
-
 SAMPLES = 1389
 PERIOD = SAMPLES * 1e-3 / 27.7777778
 """Of a block, s."""

@@ -5,7 +5,7 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from wheelset_track_sim.bags import BagWriter, read
-from wheelset_track_sim.bags.inputs import Input
+from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.inputs.yaml12 import parse
 

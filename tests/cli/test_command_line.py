@@ -92,7 +92,7 @@ def test_a_missing_bag_is_bad_input_in_one_line(
     bag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    for arguments in (["report"], ["info"], ["recover"], ["replay", "--simulate-again"]):
+    for arguments in (["report"], ["info"], ["recover"], ["resimulate"]):
         assert main([*arguments, bag]) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert line.endswith("give a bag folder or an .mcap file")

@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("wheelset_track_msgs")
 
+from support.paths import OLD_BAG
 from support.replaying import NODE, Subscriber, by_topic, recorded
 from wheelset_track_sim.cli.run import run
 
@@ -81,6 +82,18 @@ def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_clie
     first = steps.index(live[0].first_step, begun)
     assert again[first : first + len(live)] == live
     assert "damaged" not in replay.errors + replay.output
+
+
+def test_a_bag_of_version_0_1_is_played(play, client):
+    stored = by_topic(recorded(OLD_BAG))
+    listener = Subscriber(client, OLD_BAG)
+    play(OLD_BAG, "--loop", "--start-paused")
+    listener.connect()
+    for _ in range(3):
+        assert client.trigger("play_next").success
+    client.until(
+        lambda: all(by_topic([*listener.arrived])[topic][-len(items) :] == items for topic, items in stored.items())
+    )
 
 
 def test_every_chunk_leaves_at_its_time(play, client, bag):

@@ -66,7 +66,7 @@ def test_a_model_is_built_again_when_a_module_is_edited_that_its_builder_imports
     made.mkdir()
     (made / "__init__.py").touch()
     (made / "line.py").write_text(
-        "from test_cache import Line\nfrom .size import size\ndef line(progress): return Line(size())"
+        f"from {__name__} import Line\nfrom .size import size\ndef line(progress): return Line(size())"
     )
     sizes = []
     for text in ("def size(): return [1.0]", "def size(): return [1.0, 2.0]"):

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..samples.impacts import ImpactSettings
 
 PROGRAM = "wheelset-track-sim"
+OLD_RESIMULATE = "--simulate-again"
+"""Option that made ``replay`` simulate a bag again."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -33,6 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
     try:
+        given = _renamed(given)
         if given[:1] == ["node"]:  # its arguments are those of every ROS node
             return _node(given[1:])
         own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
@@ -46,6 +49,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         # told to end before it had anything to close: for a node that is an orderly end
         return 0 if given[:1] in (["node"], ["replay"]) else _complain("interrupted", 1)
+
+
+def _renamed(given: list[str]) -> list[str]:
+    """Arguments with the old name of a command replaced by the new one, which is reported."""
+    if given[:1] != ["replay"] or OLD_RESIMULATE not in given:
+        return given
+    _complain(f"replay {OLD_RESIMULATE} is the old name of resimulate: use {PROGRAM} resimulate BAG", 0)
+    return ["resimulate", *(each for each in given[1:] if each != OLD_RESIMULATE)]
 
 
 def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -75,16 +86,19 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
     _add_report(commands)
     _add_replay(commands)
+    _add_resimulate(commands)
     _add_recover(commands)
     _add_info(commands)
     _add_compare(commands)
     _add_stress(commands)
+    _add_cache(commands)
     _add_demo(commands)
     return parser
 
 
-def _command(commands: _Commands, name: str, what: str) -> _Parser:
-    return commands.add_parser(name, help=what, description=f"{what[0].upper()}{what[1:]}.")
+def _command(commands: _Commands, name: str, what: str, details: str = "") -> _Parser:
+    description = f"{what[0].upper()}{what[1:]}. {details}".strip()
+    return commands.add_parser(name, help=what, description=description)
 
 
 def _takes_bag(command: _Parser, and_then: str = "") -> None:
@@ -225,46 +239,47 @@ def _add_replay(commands: _Commands) -> None:
         help="play a bag on the topics on which it was recorded",
         usage="%(prog)s [OPTION ...] BAG [--ros-args -p NAME:=VALUE -r FROM:=TO ...]",
         description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter.",
+        epilog=f"To simulate its run again, use {PROGRAM} resimulate; replay {OLD_RESIMULATE} is the old name of that.",
     )
     replay.add_argument("bag", type=Path, nargs="?", metavar="BAG", help="an .mcap file or a bag folder")
     replay.add_argument("--rate", type=float, metavar="R", help="times as fast (default: 1; 0: as fast as possible)")
     replay.add_argument("--loop", action="store_true", default=None, help="begin again at the end")
-    replay.add_argument("--start-offset", type=float, metavar="S", help="begin that far behind the first message")
+    replay.add_argument("--start-offset", type=float, metavar="S", help="begin that long after the first message")
     replay.add_argument("--duration", type=float, metavar="S", help="end after that time in the bag")
     replay.add_argument("--stamps", metavar="original|now", help="stamps as recorded (default), or current ones")
-    replay.add_argument("--publish-clock", action="store_true", default=None, help="tell the time on /clock")
+    replay.add_argument("--publish-clock", action="store_true", default=None, help="publish the time on /clock")
     replay.add_argument("--prefix", metavar="NAME", help="put topics below this name, ~ is the node's own")
-    replay.add_argument("--start-paused", action="store_true", default=None, help="wait to be told to go on")
-    replay.add_argument(
-        "--simulate-again", action="store_true", help="do not play: simulate it from what went in, and compare"
-    )
-    _takes_changes(replay, "what would have been, wheel_1.damage.h=0.001")
-    replay.add_argument("--out", type=Path, metavar="FILE.mcap", help="write what was simulated again as a bag")
-    _takes_json(replay)
+    replay.add_argument("--start-paused", action="store_true", default=None, help="wait for the service resume")
     replay.set_defaults(command=_replay)
 
 
 def _replay(options: argparse.Namespace) -> int:
-    names = ("rate", "loop", "start_offset", "duration", "stamps", "publish_clock", "prefix", "start_paused")
-    if options.simulate_again:
-        return _again(options, [name for name in names if getattr(options, name) is not None])
-    for name in ("set", "out", "json"):
-        if getattr(options, name):
-            raise InputError(f"--{name} is of a run that is simulated: give --simulate-again with it")
-    from .replay import replay
+    from .nodes import replay
 
-    return replay(options.bag, options.ros_arguments, **{name: getattr(options, name) for name in names})
+    parameters = {name: value for name, value in vars(options).items() if name not in ("command", "ros_arguments")}
+    return replay(ros_arguments=options.ros_arguments, **parameters)
 
 
-def _again(options: argparse.Namespace, of_replay: Sequence[str]) -> int:
-    from .resimulate import again
+def _add_resimulate(commands: _Commands) -> None:
+    resimulate = _command(
+        commands,
+        "resimulate",
+        "simulate the run of a bag again, with each change at its step, and compare it with the recording",
+        "Without --set, every force and stress is the same to the last bit on the software and processor that recorded "
+        "it. The exit status is 1 if numbers differ, and no setting, version, processor, model or unknown input is a "
+        "reason.",
+    )
+    _takes_bag(resimulate)
+    _takes_changes(resimulate, "set a key throughout the run, such as wheel_1.damage.h=0.001 or track.spacing=0.65")
+    resimulate.add_argument("--out", type=Path, metavar="BAG", help="record the new run: FILE.mcap, or a bag folder")
+    _takes_json(resimulate)
+    resimulate.set_defaults(command=_resimulate)
 
-    if options.bag is None:
-        raise InputError("BAG is missing: give the bag to simulate again")
-    if of_replay or options.ros_arguments:
-        name = f"--{of_replay[0].replace('_', '-')}" if of_replay else "--ros-args"
-        raise InputError(f"{name} is of a bag that is played: leave it out with --simulate-again")
-    return again(options.bag, options.set, options.out, json=options.json)
+
+def _resimulate(options: argparse.Namespace) -> int:
+    from .resimulate import run_resimulate
+
+    return run_resimulate(options.bag, options.set, options.out, json=options.json)
 
 
 def _add_recover(commands: _Commands) -> None:
@@ -333,6 +348,25 @@ def _stress(options: argparse.Namespace) -> int:
     return stress(options.forces, options.wheelset, nodes, options.speed, options.out, json=options.json)
 
 
+def _add_cache(commands: _Commands) -> None:
+    cache = _command(commands, "cache", "models and compiled functions on disk: where, how many, how large, last use")
+    cache.add_argument(
+        "--clear",
+        nargs="?",
+        const="all",
+        metavar="KIND",
+        help="remove one kind, or all: models are built again when needed",
+    )
+    _takes_json(cache)
+    cache.set_defaults(command=_cache)
+
+
+def _cache(options: argparse.Namespace) -> int:
+    from .cache import cache
+
+    return cache(options.clear, json=options.json)
+
+
 def _add_demo(commands: _Commands) -> None:
     demo = _command(commands, "demo", "stream, record and report the paper's Section 5.1 through the ROS 2 node")
     demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
@@ -346,12 +380,9 @@ def _demo(options: argparse.Namespace) -> int:
 
 
 def _node(arguments: list[str]) -> int:
-    from .needs_ros import needs_ros
+    from .nodes import node
 
-    with needs_ros("the node"):
-        from ..ros.process import main as node
-    status: int = node(arguments)
-    return status
+    return node(arguments)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_text
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +13,7 @@ from ..bags import Bag
 from ..twin.measured import Comparison, Matching, compare
 from ..twin.measured.comparison import impact_rows, remarks, rows
 from ..twin.measured.reading import read_measurement
-from .console import terminal
+from .console import print_object, terminal
 
 
 def compared(bag: Path, measured: Path, matching: Matching, *, json: bool) -> int:
@@ -22,8 +21,7 @@ def compared(bag: Path, measured: Path, matching: Matching, *, json: bool) -> in
     found = compare(Bag(bag).blocks(), read_measurement(measured), matching)
     console = terminal()
     if json:
-        text = json_text.dumps(as_mapping(found))
-        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+        print_object(as_mapping(found))
         return 0
     console.print(table(found))
     if found.impacts:

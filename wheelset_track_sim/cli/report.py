@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..bags import Bag
-from ..bags.files import beside
+from ..bags.bag_reader import beside
 from ..errors import InputError
 from ..report import plot_run, summary_table, survey
 from ..samples.impacts import ImpactSettings

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_text
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from ..twin.measured.csv_file import WHEELS, read_csv, write_csv
 from ..twin.measured.measurement import evenly
 from ..wheelset.kinds import load_wheelset, reduce_wheelset
 from ..wheelset.reduced import COMPONENTS
-from .console import terminal
+from .console import print_object, terminal
 from .progress import shown
 
 CHUNK = 1000
@@ -70,8 +69,7 @@ def stress(
         result["out"] = str(out)
     console = terminal()
     if json:
-        text = json_text.dumps(result)
-        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+        print_object(result)
     else:
         console.print(_table(result))
     return 0

@@ -20,6 +20,7 @@ from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..live.recorder import Recorder
 from ..live.revisions import Revisions
+from ..monitoring.status import recording_status
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .answers import answer_always
@@ -76,7 +77,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._outputs = Outputs(self, self.parameters.decimation({}))
         self.recorder = Recorder(self.get_fully_qualified_name(), self.get_logger().error)
         self._set_recorder(self.parameters.recording({}))
-        self._monitoring = Monitoring(self, self.parameters, lambda: self.recorder.status)
+        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self.recorder.figures))
         Services(self)
         answer_always(self)
         self.add_on_set_parameters_callback(self._on_parameters)
@@ -261,8 +262,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.revisions.attach(simulator)
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
-        run = Run(simulator, *outlets, self._time, self.get_logger(), self._on_end)
-        run.start_ns = self._now_ns()
+        impacts = self.parameters.watching({}).impact
+        run = Run(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts)
+        run.messages.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 
     def _activate(self, previous: LifecycleState) -> None:
@@ -290,7 +292,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def _go_on(self) -> None:
         run = self.needed_run()
         if run.next_step == 0 and not self.recorder.path:
-            run.start_ns = self._now_ns()
+            run.messages.start_ns = self._now_ns()
             if self._bag is not None:
                 self.recorder.take(self.recorder.open(self._bag, run.simulator, run.start_ns))
             self._bag = None
@@ -355,6 +357,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self._earliest_ns = 0  # stamps of another time
         self._outputs.decimation = self.parameters.decimation(changes)
         self._monitoring.change(watching, pace.real_time_factor)
+        if self.run is not None:
+            self.run.messages.detector.settings = watching.impact
         if pace != self._pace:
             self._pace = pace
             if self.run is not None:

@@ -12,8 +12,8 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from ..bags.playback.player import Player
 from ..errors import WheelsetTrackError
+from ..live.player import Player
 from .answers import Answer, served
 
 ROSBAG2_PLAYER = "/rosbag2_player"

@@ -15,9 +15,10 @@ from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
 from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
 
-from ..errors import InputError
+from ..errors import InputError, WheelsetTrackError
 from ..live.recorder import Recorder, path_below
-from ..live.revisions import Outcome, Revisions
+from ..live.revisions import Revisions
+from ..simulation.changes import Revision
 from .answers import Answer, served
 from .conversions import header
 from .parameters import Parameters
@@ -101,26 +102,33 @@ class Services:
                 message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=changing
             )
 
-    def _taken(self, topic: str, take: Callable[[Any], Outcome], message: Any) -> None:
+    def _taken(self, topic: str, take: Callable[[Any], Revision], message: Any) -> None:
         try:
-            outcome = take(message)
+            take(message)
+        except WheelsetTrackError as refusal:
+            self._node.get_logger().warning(f"{topic} is refused: {refusal}")
         except Exception:  # noqa: BLE001  the executor must live
             self._node.get_logger().fatal(traceback.format_exc())
-            return
-        if not outcome.success:
-            self._node.get_logger().warning(f"{topic} is refused: {outcome.message}")
 
     def _set_tread_damage(self, request: Any) -> Answer:
-        return self._node.revisions.damage(request.damage)._asdict()
+        return self._changed(lambda: self._node.revisions.damage(request.damage))
 
     def _set_irregularities(self, request: Any) -> Answer:
-        return self._irregularities(request.irregularities)._asdict()
+        return self._changed(lambda: self._irregularities(request.irregularities))
 
-    def _irregularities(self, text: str) -> Outcome:
+    def _irregularities(self, text: str) -> Revision:
         return self._node.revisions.irregularities(text, self._node.parameters["profiles.directory"])
 
     def _set_speed(self, request: Any) -> Answer:
-        return self._node.revisions.speed(request.speed, request.acceleration)._asdict()
+        return self._changed(lambda: self._node.revisions.speed(request.speed, request.acceleration))
+
+    def _changed(self, change: Callable[[], Revision]) -> Answer:
+        """Revision and step of a change; if it is rejected, those of the newest one with the reason."""
+        try:
+            revision, answer = change(), {}
+        except WheelsetTrackError as refusal:
+            revision, answer = self._node.revisions.newest, {"success": False, "message": str(refusal)}
+        return {**answer, "revision": revision.number, "step": revision.step}
 
     def _start_recording(self, request: Any) -> Answer:
         node = self._node

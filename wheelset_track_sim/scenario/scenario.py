@@ -122,6 +122,9 @@ class Scenario:
 
     def __post_init__(self) -> None:
         check(self)
+        for name, kinds, load in (("wheelset", AnyWheelset, "load_wheelset"), ("track", Track, "load_track")):
+            if not isinstance(getattr(self, name), kinds):
+                raise InputError(f"{name} = {getattr(self, name)!r} is a name, or plain data: give {load}({name})")
         if not self.name:
             raise InputError("name is empty: give the scenario a name")
         for name, limits in (("max_frequency", BAND), ("line_length", LINE)):

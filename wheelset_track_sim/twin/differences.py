@@ -1,4 +1,4 @@
-"""How far two runs of samples are apart, while they pass by."""
+"""Difference of two runs, sample by sample, in bounded memory."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Difference:
     largest: float
     """N or Pa."""
     signal: str
-    """Which one has it, such as ``wheel_1`` or ``A1 yy``."""
+    """Signal with the largest difference, such as ``wheel_1`` or ``A1 yy``."""
     at: Place
-    """Where it is."""
+    """Place of the largest difference."""
     first: Place
     """The first sample with a difference."""
     last_beyond: Place | None
@@ -41,7 +41,7 @@ class Differences:
     """Collects the difference of some signals over consecutive blocks."""
 
     def __init__(self, signals: tuple[str, ...], limit: float) -> None:
-        """``limit`` is what is taken for agreement, in the unit of the signals."""
+        """``limit`` is the largest difference that counts as agreement, in the unit of the signals."""
         self._signals, self._limit = signals, limit
         self._found: Difference | None = None
 
@@ -51,7 +51,7 @@ class Differences:
         return self._found
 
     def push(self, block: SampleBlock, before: int, ours: Real, theirs: Real) -> None:
-        """Samples (n, signals) of both runs, ``before`` samples behind the first one of the recorded ``block``."""
+        """Compare samples (n, signals) of both runs, from sample ``before`` of the recorded ``block`` on."""
         unequal = ours != theirs
         if not unequal.any():
             return

@@ -12,7 +12,7 @@ from support.paths import ROOT
 from wheelset_track_sim.bags import blocks as recorded
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.live.run_writer import RunWriter
+from wheelset_track_sim.live.run_messages import record
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.resampling import band_limited
 from wheelset_track_sim.samples.summary import summarise
@@ -142,11 +142,10 @@ def test_what_cannot_be_compared_is_refused(blocks: list[SampleBlock]) -> None:
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     simulator = Simulator(load_scenario("damage_wheel_1"))
     path = tmp_path_factory.mktemp("bag") / "run.mcap"
-    with RunWriter(path, simulator) as writer:
+    with record(path, simulator) as push:
         for _ in range(3):
             block = simulator.advance(TURN)
-            writer.push(block, summarise(block))
-        writer.finish()
+            push(block, summarise(block))
     return path
 
 

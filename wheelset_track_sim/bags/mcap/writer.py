@@ -48,7 +48,7 @@ SLACK = 8192
 """Bytes of one chunk's index and of all at the end of a file that is of fixed size, at most."""
 
 
-class McapFile:
+class McapWriter:
     """Writes to a stream that it does not close; what is not yet in a chunk is lost if ``finish`` is never called.
 
     All methods that write raise OSError if the disk refuses. The file then ends with its last whole chunk, the chunk at

@@ -7,11 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wheelset_track_sim.bags.playback.chunks import Played
-from wheelset_track_sim.bags.playback.player import Player
-from wheelset_track_sim.bags.playback.recorded_bag import Recorded
-from wheelset_track_sim.bags.playback.settings import Playback
+from wheelset_track_sim.bags.playback.recorded_bag import Played
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.live.player import Playback, Player
 
 START = 1_700_000_000_123_456_789
 MS = 10**6
@@ -47,13 +45,12 @@ class Tape:
 
     def __init__(self, times, every=1, tail=50 * MS):
         self.items = [
-            Played(Recorded(START + time, "x", bytes([number % 256])), number % every == 0)
-            for number, time in enumerate(times)
+            Played(START + time, "x", bytes([number % 256]), number % every == 0) for number, time in enumerate(times)
         ]
         self.start_ns, self.end_ns = START, START + max(times) + tail
 
     def played(self, begin_ns, end_ns):
-        return (item for item in self.items if begin_ns <= item.message.time_ns < end_ns)
+        return (item for item in self.items if begin_ns <= item.time_ns < end_ns)
 
 
 class Session:
@@ -78,7 +75,7 @@ class Session:
 
     @property
     def times(self):
-        return [item.message.time_ns - START for _, item, _ in self.out]
+        return [item.time_ns - START for _, item, _ in self.out]
 
 
 times = st.lists(st.integers(0, 20_000 * MS), min_size=1, max_size=30).map(sorted)
@@ -148,7 +145,7 @@ def test_what_has_been_played_is_the_rate_over_the_time_in_which_it_ran(times, r
     for count, value_ns in dict(sought).items():  # of those between two messages the last
         if count < len(session.out):
             assert session.times[count] == min(time for time in times if START + time >= value_ns)
-    lead = {played - item.message.time_ns for _, item, played in session.out}
+    lead = {played - item.time_ns for _, item, played in session.out}
     assert len(lead) <= 1 + len(sought)
 
 

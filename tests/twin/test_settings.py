@@ -4,7 +4,7 @@ import pytest
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.twin.what_if import with_settings
+from wheelset_track_sim.twin.run_inputs import with_settings
 
 SMOOTH = load_scenario("undamaged")
 BOTH = load_scenario("damage_both")

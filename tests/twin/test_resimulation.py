@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.bags import Bag, BagWriter, RunInfo, read
-from wheelset_track_sim.bags.inputs import Input
+from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.irregularities import Breakout, Harmonic, Polygon, Squat
-from wheelset_track_sim.live.origin import run_info, state, states
-from wheelset_track_sim.live.run_writer import RunWriter
+from wheelset_track_sim.live.run_messages import record, run_info, state, states
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.scenario import WHEELS, Scenario, load_scenario
 from wheelset_track_sim.scenario.loads import Loads
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.twin import simulate_again
+from wheelset_track_sim.twin import resimulate
 
 pytestmark = pytest.mark.slow
 
@@ -28,12 +27,12 @@ TURN = 2713
 
 def recorded(path: Path, simulator: Simulator, plan: Sequence[tuple[int, dict[str, object]]], end: int) -> Path:
     """Bag of a run with changes that are accepted at steps."""
-    with RunWriter(path, simulator) as writer:
+    with record(path, simulator) as push:
 
         def run_to(step: int) -> None:
             while simulator.next_step < step:
                 block = simulator.advance(min(1000, step - simulator.next_step))
-                writer.push(block, summarise(block))
+                push(block, summarise(block))
 
         for step, values in plan:
             run_to(step)
@@ -41,7 +40,6 @@ def recorded(path: Path, simulator: Simulator, plan: Sequence[tuple[int, dict[st
         run_to(end)
         while simulator.scenario != simulator.in_force:  # until all have come into force
             run_to(simulator.next_step + TURN)
-        writer.finish()
     return path
 
 
@@ -64,7 +62,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
-    found = simulate_again(bag, out=tmp_path / "again.mcap")
+    found = resimulate(bag, out=tmp_path / "again.mcap")
     assert found.identical
     assert not found.origin
     assert found.samples == 3 * TURN
@@ -107,7 +105,7 @@ def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> N
         kinds = chance.sample(draw, chance.choice((1, 1, 3)))
         plan.append((step, {key: value for kind in kinds for key, value in kind().items()}))
     simulator = Simulator(load_scenario("undamaged"))
-    found = simulate_again(recorded(tmp_path / "run.mcap", simulator, plan, step + TURN))
+    found = resimulate(recorded(tmp_path / "run.mcap", simulator, plan, step + TURN))
     assert simulator.revision == 100, f"seed {seed}"
     assert len(found.inputs.changes) == 101, f"seed {seed}"
     assert found.identical, f"seed {seed}"
@@ -117,7 +115,7 @@ def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> N
 @pytest.mark.parametrize("scenario", ["rough_wheel", "line_speeds", "slab_track"])
 def test_other_scenarios_give_the_same_bits_too(tmp_path: Path, scenario: str) -> None:
     simulator = Simulator(load_scenario(scenario))
-    assert simulate_again(recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 3000)).identical
+    assert resimulate(recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 3000)).identical
 
 
 def test_a_part_of_a_bag_is_simulated_from_the_start_of_its_run(tmp_path: Path) -> None:
@@ -127,7 +125,7 @@ def test_a_part_of_a_bag_is_simulated_from_the_start_of_its_run(tmp_path: Path) 
         for number, load in enumerate((180e3, 190e3, 200e3)):
             simulator.apply(dataclasses.replace(simulator.scenario, axle_load=load))
             block = simulator.advance(900)
-            [told] = states(simulator, block, number)
+            [told] = states(simulator, block.first_step, number)
             writer.write_state(told)
             writer.write(block)
             if number < 2:
@@ -135,7 +133,7 @@ def test_a_part_of_a_bag_is_simulated_from_the_start_of_its_run(tmp_path: Path) 
     for number in range(3):
         part = tmp_path / "run" / f"run_{number}.mcap"
         assert Bag(part).info.inputs[0].revision == 0
-        found = simulate_again(part)
+        found = resimulate(part)
         assert found.identical
         assert found.inputs.start is None
         assert found.samples == 900
@@ -147,7 +145,7 @@ def test_a_recording_that_was_started_late_is_simulated_from_the_start_of_its_ru
     simulator.advance(1500)
     bag = recorded(tmp_path / "late", simulator, [(1800, {"axle_load": 190e3})], 4000)
     assert read(bag).steps[0] == 1500
-    assert simulate_again(bag).identical
+    assert resimulate(bag).identical
 
 
 def without_inputs(path: Path, source: Path, first_step: int) -> Path:
@@ -174,7 +172,7 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
         [(2000, {"irregularities": (defect(),)}), (3000, {"axle_load": 180e3})],
         20 * TURN,
     )
-    found = simulate_again(without_inputs(tmp_path / "late.mcap", source, 3000))
+    found = resimulate(without_inputs(tmp_path / "late.mcap", source, 3000))
     assert not found.identical
     assert found.inputs.start is not None
     assert found.inputs.start.step == 3000
@@ -186,17 +184,17 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
 
 
 def test_what_would_have_been(bag: Path) -> None:
-    deeper = simulate_again(bag, ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"])
+    deeper = resimulate(bag, ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"])
     assert not deeper.identical
     assert deeper.force is not None
     assert deeper.force.signal == "wheel_1"
     assert deeper.after.wheels[0].max_force > 1.5 * deeper.before.wheels[0].max_force
     assert 1700 < deeper.force.first.step < 1800  # where the defect first meets the rail, which was smooth until then
-    assert simulate_again(bag, ["axle_load=210e3"]).after.wheels[0].mean_force == pytest.approx(105e3, rel=0.01)
+    assert resimulate(bag, ["axle_load=210e3"]).after.wheels[0].mean_force == pytest.approx(105e3, rel=0.01)
 
 
 def test_another_speed_is_compared_at_the_same_places(bag: Path) -> None:
-    slower = simulate_again(bag, ["speed=20"])
+    slower = resimulate(bag, ["speed=20"])
     assert slower.samples == 3 * TURN
     assert not slower.moved
     scenario: Scenario = slower.inputs.changes[0].scenario
@@ -214,7 +212,7 @@ def test_what_differs_here_is_named(bag: Path, tmp_path: Path) -> None:
                 writer.write_state(event)
             else:
                 writer.write(event)
-    again = simulate_again(tmp_path / "other.mcap")
+    again = resimulate(tmp_path / "other.mcap")
     assert again.identical
     assert again.origin.keys() == {"numpy", "cpu", "track"}
     assert again.origin["numpy"][0] == "1.0"
@@ -226,12 +224,12 @@ def test_bags_that_do_not_say_what_went_in_are_refused(bag: Path, tmp_path: Path
         for block in Bag(bag).blocks():
             writer.write(block)
     with pytest.raises(RecordingError, match="does not say what was simulated"):
-        simulate_again(tmp_path / "none.mcap")
+        resimulate(tmp_path / "none.mcap")
     broken = dataclasses.replace(info, inputs=(Input(0, 0, "name: a\nspeed: fast\n"),))
     with BagWriter(tmp_path / "broken.mcap", broken, start_ns=0) as writer:
         writer.write(next(Bag(bag).blocks()))
     with pytest.raises(RecordingError, match=r"revision 0 .*speed = 'fast'"):
-        simulate_again(tmp_path / "broken.mcap")
+        resimulate(tmp_path / "broken.mcap")
 
 
 def test_a_damaged_bag_is_compared_as_far_as_it_can_be_read(bag: Path, tmp_path: Path) -> None:
@@ -240,7 +238,7 @@ def test_a_damaged_bag_is_compared_as_far_as_it_can_be_read(bag: Path, tmp_path:
         data[place] ^= 0xFF
     broken = tmp_path / "broken.mcap"
     broken.write_bytes(data)
-    found = simulate_again(broken, out=tmp_path / "whole.mcap")
+    found = resimulate(broken, out=tmp_path / "whole.mcap")
     assert found.lost
     assert 0 < found.samples < 3 * TURN
     assert found.identical == (not found.unknown)

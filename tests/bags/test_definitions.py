@@ -6,12 +6,10 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from wheelset_track_sim.bags import Bag, BagWriter, read
-from wheelset_track_sim.bags.definitions import full_name, schema, typestore
-from wheelset_track_sim.bags.mcap.records import Message
-from wheelset_track_sim.bags.mcap.source import McapSource
-from wheelset_track_sim.bags.mcap.writer import McapFile
+from wheelset_track_sim.bags.definitions import DEFAULTS, full_name, schema, typestore
+from wheelset_track_sim.bags.mcap.reader import McapReader
+from wheelset_track_sim.bags.mcap.writer import McapWriter
 from wheelset_track_sim.bags.run_info import METADATA_NAME
-from wheelset_track_sim.bags.stored_types import DEFAULTS
 from wheelset_track_sim.errors import RecordingError
 
 
@@ -31,14 +29,13 @@ def recorded_with(path, changed, source):
     record = {**info.to_metadata(), "version.wheelset_track_sim": "0.0.7"}
     record.pop("crc32")
     with source.open("rb") as stream, path.open("xb") as out:
-        file = McapFile(out, "ros2", "test")
+        file = McapWriter(out, "ros2", "test")
         file.add_metadata(METADATA_NAME, record)
         channels = {}
-        reading = McapSource(stream, source.name)
+        reading = McapReader(stream, source.name, pytest.fail)
         for chunk in reading.chunks_at(index.chunk_start_offset for index in reading.index.chunks):
             for message in reading.messages(chunk):
-                assert isinstance(message, Message)
-                name, topic = message.schema.name, message.channel.topic
+                name, topic = message.topic.type, message.topic.name
                 if topic not in channels:
                     number = file.add_schema(name, "ros2msg", texts[name.rpartition("/")[2]].encode())
                     channels[topic] = file.add_channel(topic, "cdr", number, {})

@@ -18,9 +18,9 @@ from ..samples.block import SampleBlock
 from ..samples.principal import maximum_principal
 from ..samples.summary import Summary, combine, summarise
 from .bag import Bag
+from .bag_reader import Lost
 from .messages import State
 from .run_info import RunInfo
-from .source import Lost
 from .window import Window
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Plays a bag: each message at its time, until told otherwise."""
+"""Play a bag: each message at its time, with pause, seek, rate and steps."""
 
 from __future__ import annotations
 
@@ -9,20 +9,43 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from ...errors import InputError
-from ...inputs.schema import quantity_of
-from ...live.pacing import Clock, Pacer, SteadyClock
-from .chunks import Played
-from .settings import Playback
+from ..bags.playback.recorded_bag import Played
+from ..errors import InputError
+from ..inputs.schema import check, quantity, quantity_of
+from .pacing import Clock, Pacer, SteadyClock
 
 SECOND = 10**9
 REST = 3600.0
-"""Time, s, after which one that waits to be told to go on looks round."""
+"""Longest sleep of a paused player, s; a command wakes it earlier."""
+LONGEST = 1e7
+"""Longest time in a bag, s."""
+
+
+@dataclass(frozen=True)
+class Playback:
+    """The part of a bag to play, and its speed; times are of the bag, from its first message on."""
+
+    rate: float = quantity(
+        "", 0.0, 1000.0, "the bag's time over the elapsed time, 0 for as fast as possible,", default=1.0
+    )
+    start_offset: float = quantity("s", 0.0, LONGEST, "the time in the bag at which the replay begins", default=0.0)
+    duration: float = quantity(
+        "s", 0.0, LONGEST, "the time in the bag after which the replay ends, 0 for all of it,", default=0.0
+    )
+    loop: bool = False
+    """Begin again at the end."""
+    start_paused: bool = False
+    """Wait for ``resume``."""
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
 RATE = quantity_of(Playback, "rate")
 
 
-class Source(Protocol):
-    """What a player needs of a bag."""
+class MessageSource(Protocol):
+    """The part of a bag as a player reads it."""
 
     @property
     def start_ns(self) -> int:
@@ -31,7 +54,7 @@ class Source(Protocol):
 
     @property
     def end_ns(self) -> int:
-        """Time behind the last chunk, ns."""
+        """End of the last chunk, ns."""
         ...
 
     def played(self, begin_ns: int, end_ns: int) -> Iterator[Played]:
@@ -67,7 +90,7 @@ class Player:
 
     def __init__(
         self,
-        source: Source,
+        source: MessageSource,
         playback: Playback,
         deliver: Callable[[Played, int], None],
         moved: Callable[[int, int], None],
@@ -273,7 +296,7 @@ class Player:
 
     def _due(self, following: Played | None) -> int:
         """Played time at which a message is due, or the end if there is none, ns."""
-        return self._lead + (self._end if following is None else following.message.time_ns)
+        return self._lead + (self._end if following is None else following.time_ns)
 
     def _wait(self, following: Played | None) -> float:
         return self._pacer.wait(self._due(following) / SECOND)
