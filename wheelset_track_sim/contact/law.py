@@ -47,7 +47,6 @@ class RollingSurfaces(NamedTuple):
     """A smooth contact that needs a larger approach than these for the same force."""
 
 
-@lru_cache(maxsize=1)
 def rolling_surfaces(
     irregularities: tuple[Irregularity, ...],
     geometry: ContactGeometry,
@@ -59,7 +58,7 @@ def rolling_surfaces(
 ) -> RollingSurfaces:
     """Heights of both treads and rails, and the potential contact area; arguments as of ``build_contact_law``.
 
-    A scenario is checked with it, and its contact law is built from it: the latest one is kept.
+    A scenario is checked with it, and its contact law is built from it: the latest two are kept.
 
     Raises
     ------
@@ -67,6 +66,19 @@ def rolling_surfaces(
         For a grid that makes no sense, for what the irregularities refuse, and for points of a profile that end within
         the potential contact area.
     """
+    return _rolling_surfaces(irregularities, geometry, dx, n_c, rail_steps, dy, largest_force)
+
+
+@lru_cache(maxsize=2)
+def _rolling_surfaces(
+    irregularities: tuple[Irregularity, ...],
+    geometry: ContactGeometry,
+    dx: float,
+    n_c: int,
+    rail_steps: int,
+    dy: float,
+    largest_force: float,
+) -> RollingSurfaces:
     _check(dx, dy, largest_force, rail_steps, n_c)
     # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
     ends = [abs(end - pair.touch) for pair in geometry.pairs for end in pair.span]

@@ -142,7 +142,7 @@ class Scenario:
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
         self._check_speeds()
-        self._check_models()
+        _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)
@@ -240,21 +240,29 @@ class Scenario:
                     f"a step_length up to {LONGEST_STEP * speed:g} m"
                 )
 
-    def _check_models(self) -> None:
-        dx, bay = self.step_length, self.track.spacing / self.step_length
-        if not _whole(bay):
-            raise InputError(
-                f"step_length = {dx:g} m does not divide the sleeper spacing of {self.track.spacing:g} m: "
-                f"give {_dividing(self.track.spacing, math.ceil(bay))} m"
-            )
-        nodes = [node.name for node in self.wheelset.stress_nodes]
-        for index, node in enumerate(self.output.stress_nodes):
-            if node not in nodes:
-                where = f"output.stress_nodes.{index} = {node!r}"
-                raise InputError(unknown("stress node of this wheelset", where, node, nodes))
-        self.loads.check_against(self.wheelset)
-        self.track.check_step(dx)
-        _ = self.geometry
+
+@lru_cache(maxsize=8)
+def _check_models(
+    wheelset: AnyWheelset,
+    track: Track,
+    loads: Loads,
+    stress_nodes: tuple[str, ...],
+    dx: float,
+) -> None:
+    """Raise InputError for models, loads and stress nodes that do not fit each other."""
+    bay = track.spacing / dx
+    if not _whole(bay):
+        raise InputError(
+            f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
+            f"give {_dividing(track.spacing, math.ceil(bay))} m"
+        )
+    nodes = [node.name for node in wheelset.stress_nodes]
+    for index, node in enumerate(stress_nodes):
+        if node not in nodes:
+            where = f"output.stress_nodes.{index} = {node!r}"
+            raise InputError(unknown("stress node of this wheelset", where, node, nodes))
+    loads.check_against(wheelset)
+    track.check_step(dx)
 
 
 @lru_cache(maxsize=8)
