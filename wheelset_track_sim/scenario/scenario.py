@@ -116,6 +116,11 @@ class Scenario:
     """Set points of the speed in the order of their times; a change of ``speed`` during the run ends the plan."""
     step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
 
+    settle_on: Literal["surfaces", "smooth"] = "surfaces"
+    """What the wheels run on before step 0. ``surfaces``: those of the scenario, as in a train that runs for a while.
+    ``smooth``: a defect meets the rail for the first time after step 0, as in the paper (Section 5.1), and always in
+    ``paper`` dynamics."""
+
     max_frequency: float | None = None
     """Band limit, Hz: of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
     6000 of the wheelset and 5000 of the track)."""
@@ -172,6 +177,11 @@ class Scenario:
     def tread_origin(self) -> int:
         """Step at which angle 0 of the treads meets the rail."""
         return round(self.reference_position / self.step_length)
+
+    @property
+    def settles_on_surfaces(self) -> bool:
+        """Whether the wheels run on the irregularities of the scenario before step 0."""
+        return self.settle_on == "surfaces" and self.dynamics == "causal"
 
     @property
     def geometry(self) -> ContactGeometry:
