@@ -88,7 +88,7 @@ def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> N
         )
 
     def irregularities() -> tuple[object, ...]:
-        """Breakouts, also beside what never leaves the patch: then they change with a handover."""
+        """Breakouts, also beside what never leaves the patch: then they fade."""
         squat = Squat("rail_1", position=chance.uniform(0.0, 50.0), a=0.006, b=0.012, h=0.0005)
         polygon = Polygon("wheel_2", (Harmonic(chance.randrange(1, 4), chance.choice((2e-5, 5e-5))),))
         return (*damage(), *chance.choice([()] * 6 + [(squat,), (polygon,)]))
@@ -184,12 +184,16 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
 
 
 def test_what_would_have_been(bag: Path) -> None:
-    deeper = resimulate(bag, ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"])
+    damage = ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"]
+    deeper = resimulate(bag, [*damage, "settle_on=smooth"])
     assert not deeper.identical
     assert deeper.force is not None
     assert deeper.force.signal == "wheel_1"
     assert deeper.after.wheels[0].max_force > 1.5 * deeper.before.wheels[0].max_force
     assert 1700 < deeper.force.first.step < 1800  # where the defect first meets the rail, which was smooth until then
+    running = resimulate(bag, damage)
+    assert running.force is not None
+    assert running.force.first.step == 0  # the wheel has run on the defect before
     assert resimulate(bag, ["axle_load=210e3"]).after.wheels[0].mean_force == pytest.approx(105e3, rel=0.01)
 
 

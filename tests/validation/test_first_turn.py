@@ -57,7 +57,8 @@ def test_the_first_turn_is_that_of_a_run_that_began_earlier(models, kind, speed)
     assert np.abs(forces - settled).max() < 3e-3 * STATIC
     np.testing.assert_allclose(forces.max(axis=0), settled.max(axis=0), atol=2e-3 * STATIC)
     np.testing.assert_allclose(forces.min(axis=0), settled.min(axis=0), atol=2e-3 * STATIC)
-    np.testing.assert_allclose(stress.max(axis=0), settled_stress.max(axis=0), rtol=4e-3)
+    # At 55 m/s the fourth multiple of the turns is next to a bending mode that rings for seconds.
+    np.testing.assert_allclose(stress.max(axis=0), settled_stress.max(axis=0), rtol=0.01)
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,17 @@ LEAD = 2.0
 LEAD_AFTER_FADE = 0.3
 """The same on surfaces that never leave the patch, after they have faded in, s: these excite it evenly."""
 
-CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities", "line_length", "loads")
+CHANGEABLE = (
+    "name",
+    "speed",
+    "acceleration",
+    "speed_plan",
+    "axle_load",
+    "irregularities",
+    "line_length",
+    "loads",
+    "settle_on",
+)
 """Scenario keys that may change during a run; the models do not depend on them."""
 
 REMEMBERED = 10_000

@@ -135,6 +135,7 @@ ANY: dict[str, Any] = {
     "axle_load": 2e5,
     "irregularities": (),
     "line_length": None,
+    "settle_on": "surfaces",
 }
 """Values for the keys on which models do not depend."""
 
