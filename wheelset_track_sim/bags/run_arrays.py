@@ -1,4 +1,4 @@
-"""A run or a part of it in memory, as arrays over its steps."""
+"""Read a run, or a part of it, as arrays over its steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .bag import Bag
 from .bag_reader import Lost
 from .messages import State
 from .run_info import RunInfo
-from .window import Window
+from .window import RunWindow
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -35,7 +35,7 @@ class Recording:
     path: Path
     info: RunInfo
     states: tuple[State, ...]
-    """What was simulated: the state at the start, and one for every revision."""
+    """The state at the start, and one for every revision."""
     start_ns: int
     """Time stamp of step 0, ns since the epoch."""
     steps: NDArray[np.uint64]
@@ -116,15 +116,29 @@ def read(
     nodes: Sequence[str] | None = None,
     lost: Lost | None = None,
 ) -> Recording:
-    """Read a bag, a file or a folder, into memory: all of it, or a part, of which little more is read from the disk.
+    """Read a bag, or a part of it, into memory.
 
-    The part is from the simulated time ``start`` up to, but not including, ``stop``, s, and of ``steps`` from the first
-    up to the second; with all stress nodes, or with ``nodes``. Without ``lost``, RecordingError is raised in one line
-    if what is read is damaged or has gaps; with it, what can be read is, and ``lost`` is told of all the rest, so that
-    ``steps`` of the recording may jump.
+    Little more than the part is read from the disk.
 
-    RecordingError, too, if the bag is missing or holds no run, or nothing of it is in the part; InputError for a part
-    that cannot be, or a node that is not there.
+    Parameters
+    ----------
+    path
+        An ``.mcap`` file or a bag folder.
+    start, stop
+        Simulated times of the part, s; ``stop`` is not in it.
+    steps
+        First step of the part, and the step after its last; None for the end of the run.
+    nodes
+        Stress nodes in the order of the result; None for all.
+    lost
+        Called with each damaged part and each gap, which are left out: ``steps`` of the recording may jump there.
+
+    Raises
+    ------
+    RecordingError
+        The bag is missing, holds no run or no sample of the part; or it is damaged or has gaps, and ``lost`` is None.
+    InputError
+        ``start`` is not before ``stop``, or a node is not in the bag.
     """
     bag, window = Bag(Path(path), lost), _window(start, stop, steps)
     found: list[SampleBlock] = []
@@ -174,16 +188,16 @@ def blocks(
     nodes: Sequence[str] | None = None,
     lost: Lost | None = None,
 ) -> Iterator[SampleBlock]:
-    """Blocks of a bag in their order, one at a time in memory, whole; arguments and errors are those of ``read``."""
+    """Complete blocks of a bag in their order, one at a time in memory; arguments and errors as in ``read``."""
     return Bag(Path(path), lost).blocks(_window(start, stop, steps), nodes)
 
 
-def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> Window:
-    return Window(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
+def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> RunWindow:
+    return RunWindow(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
 
 
 def _in_force(states: Iterable[State], first: int, last: int) -> tuple[State, ...]:
-    """States from the one that a step begins in to another step; what comes after is not read."""
+    """States from the one in force at step ``first`` to step ``last``; later ones are not read."""
     found: list[State] = []
     for state in takewhile(lambda state: state.first_step <= last, states):
         found = [state] if state.first_step <= first else [*found, state]
