@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from wheelset_track_sim.bags import Bag, BagWriter, Gap, blocks, read_bag
 from wheelset_track_sim.bags.mcap.reader import McapReader
-from wheelset_track_sim.bags.window import Window, first_chunk
+from wheelset_track_sim.bags.window import RunWindow, first_chunk
 from wheelset_track_sim.errors import InputError, RecordingError
 
 CHUNKS = 40
@@ -124,7 +124,7 @@ def test_the_chunk_to_begin_with_is_not_after_the_window(lengths, target):
     for length in lengths:
         begins.append(None if length is None else (step, float(step)))
         step += length or 0
-    found = first_chunk(len(lengths), Window(first_step=target), lambda number: begins[number])
+    found = first_chunk(len(lengths), RunWindow(first_step=target), lambda number: begins[number])
     later = [number for number in range(found) if begins[number] is not None]
     following = begins[found]
     if following is not None and found > 0:

@@ -46,7 +46,7 @@ class BlockMessages:
     """Messages of a block, in their order."""
 
     states: list[Message]
-    """States that come into force with the block, each a group of its own; none if nothing has changed."""
+    """States that begin with the block, each a group of its own; none if nothing has changed."""
     chunk: list[Message]
     """Contact forces, stresses, summary and impacts, which belong together."""
     events: Events

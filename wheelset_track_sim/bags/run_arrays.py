@@ -1,4 +1,4 @@
-"""A run or a part of it in memory, as arrays over its steps."""
+"""Read a run, or a part of it, as arrays over its steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .bag import Bag
 from .bag_reader import Lost
 from .messages import State
 from .run_info import RunInfo
-from .window import Window
+from .window import RunWindow
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -44,7 +44,7 @@ class Recording:
     path: Path
     info: RunInfo
     states: tuple[State, ...]
-    """What was simulated: the state at the start, and one for every revision."""
+    """The state at the start, and one for every revision."""
     start_ns: int
     """Time stamp of step 0, ns since the epoch."""
     steps: NDArray[np.uint64]
@@ -211,12 +211,12 @@ def blocks(
     return Bag(Path(path), lost).blocks(_window(start, stop, steps), nodes)
 
 
-def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> Window:
-    return Window(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
+def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> RunWindow:
+    return RunWindow(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
 
 
 def _in_force(states: Iterable[State], first: int, last: int) -> tuple[State, ...]:
-    """States from the one that a step begins in to another step; what comes after is not read."""
+    """States from the one in force at step ``first`` to step ``last``; later ones are not read."""
     found: list[State] = []
     for state in takewhile(lambda state: state.first_step <= last, states):
         found = [state] if state.first_step <= first else [*found, state]
