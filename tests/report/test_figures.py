@@ -13,6 +13,7 @@ def axes():
     return Figure().subplots()
 
 
+@pytest.mark.slow
 def test_picture(make_survey, tmp_path):
     path = plot_run(make_survey("damage_wheel_1", spikes=[(1.8, 300e3)]), tmp_path / "new" / "run.png")
     pixels = image.imread(path)

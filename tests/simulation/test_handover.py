@@ -66,6 +66,7 @@ def raised(one, other, forces):
     return handover(one, other, 2345, 1800, np.asarray(forces), time=2.0, step_period=4e-5)
 
 
+@pytest.mark.slow
 def test_the_approach_is_raised_by_what_keeps_the_force(models):
     one, other = models.contact_law(ROUGH), models.contact_law(polygons(3e-4))
     assert np.abs(raised(one, other, [90e3, 110e3]).by).max() > 1e-5
