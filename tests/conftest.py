@@ -1,6 +1,7 @@
 """What all tests share: profiles of hypothesis, and thin fixtures of what tests/support has."""
 
 from collections.abc import Callable
+from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
@@ -17,6 +18,13 @@ settings.register_profile("same", deadline=None, derandomize=True)
 settings.register_profile("quick", deadline=None, max_examples=20)
 settings.register_profile("search", deadline=None, max_examples=2000)
 settings.load_profile("same")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip what needs ROS where there is none. It is looked for and not imported, so that collecting stays quick."""
+    for name in ("rclpy", "wheelset_track_msgs") if item.get_closest_marker("ros") else ():
+        if find_spec(name) is None:
+            pytest.skip(f"{name} is not installed: make setup brings it")
 
 
 @pytest.fixture(scope="session")

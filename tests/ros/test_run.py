@@ -4,12 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.recorder import Recorder
-from wheelset_track_sim.ros.run import Run
 
 pytestmark = pytest.mark.ros
 
@@ -32,6 +28,8 @@ def recorder(monkeypatch, run_info):
 
 @pytest.fixture
 def run(recorder):
+    from wheelset_track_sim.ros.run import Run
+
     return Run(SimpleNamespace(next_step=0), Outlet(), Outlet(), recorder, None, None, None)
 
 
