@@ -172,6 +172,7 @@ def test_who_is_patient_loses_nothing(begin, chunk, told, tmp_path):
     np.testing.assert_array_equal(read_bag(disk.file()).steps, np.arange(40 * SAMPLES))
 
 
+@pytest.mark.slow
 def test_changes_without_end_before_a_disk_that_stands_end_the_recording(begin, chunk, state, told, tmp_path):
     bag, buffered = begin(1_000_000)
     disk = SlowDisk(bag)

@@ -85,6 +85,7 @@ def test_any_chunk_length_gives_the_same_bits() -> None:
             assert np.array_equal(one, two)
 
 
+@pytest.mark.slow
 def test_a_speed_is_the_same_however_it_is_reached() -> None:
     supports = [{"sleepers": "30-40", "ballast_stiffness": 3.0}]
     changed = Simulator(on_line(changes=("speed=27", "acceleration=10"), supports=supports))
@@ -113,6 +114,7 @@ def test_force_is_continuous_where_the_speed_changes() -> None:
     assert apart.max() > 50.0
 
 
+@pytest.mark.slow
 def test_a_line_repeats() -> None:
     simulator = Simulator(on_line(bays=48, scatter={"pad_stiffness": 0.2, "ballast_stiffness": 0.3}))
     advance_to(simulator, 4 * 48 * 600)

@@ -6,9 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.bags import blocks, read_bag
 from wheelset_track_sim.samples.decimation import REACH, decimated
 from wheelset_track_sim.samples.principal import maximum_principal

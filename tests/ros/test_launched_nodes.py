@@ -11,9 +11,6 @@ import subprocess
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.launch_stand_in import LaunchFile, install
 from support.paths import ROOT
 from wheelset_track_sim.bags import read_bag

@@ -4,9 +4,6 @@ import signal
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import load_scenario, scenario_from

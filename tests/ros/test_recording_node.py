@@ -10,13 +10,6 @@ import subprocess
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from diagnostic_msgs.msg import DiagnosticArray
-from std_srvs.srv import Trigger
-from wheelset_track_msgs.srv import StartRecording
-
 from support.plain_scan import LARGEST_LOSS, Scan
 from wheelset_track_sim.bags import read_bag
 
@@ -29,6 +22,8 @@ class Recordings:
     """What a client sees of a node's recordings."""
 
     def __init__(self, client):
+        from diagnostic_msgs.msg import DiagnosticArray
+
         self.client = client
         self.forces = client.collect("contact_forces", "ContactForces")
         self.states = client.collect("state", "SimulationState", latched=True)
@@ -48,10 +43,12 @@ class Recordings:
         self.client.until(lambda: len(self.forces) > seen + 3)  # the stream goes on
 
     def start(self, name):
+        from wheelset_track_msgs.srv import StartRecording
+
         return self.client.call("start_recording", StartRecording, again=False, name=name)
 
     def trigger(self, service):
-        return self.client.call(service, Trigger, again=False)
+        return self.client.trigger(service)
 
     def run_on(self, seconds):
         self.client.until(lambda: self.forces)

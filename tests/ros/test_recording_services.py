@@ -5,9 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.service_calls import assert_gap_free, end
 from wheelset_track_sim.bags import read_bag
 

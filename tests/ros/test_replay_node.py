@@ -8,9 +8,6 @@ from itertools import pairwise
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.paths import OLD_BAG
 from support.replaying import NODE, Subscriber, by_topic, recorded
 from wheelset_track_sim.cli.run import run

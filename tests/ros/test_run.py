@@ -4,13 +4,9 @@ import dataclasses
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.recorder import Recorder
 from wheelset_track_sim.live.run_messages import PAUSED
-from wheelset_track_sim.ros.run import NodeRun
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
@@ -35,6 +31,8 @@ def recorder(monkeypatch, run_info):
 
 @pytest.fixture
 def run(recorder):
+    from wheelset_track_sim.ros.run import NodeRun
+
     return NodeRun(Simulator(load_scenario("undamaged")), Outlet(), Outlet(), recorder, None, None, None)
 
 

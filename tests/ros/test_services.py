@@ -9,9 +9,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.service_calls import SIZE_B, assert_gap_free, end, first_of, item
 from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.tread_damage import MOST

@@ -8,9 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.scenario import load_scenario
 

@@ -19,8 +19,6 @@ from wheelset_track_sim.scenario.loads import Loads
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.twin import resimulate
 
-pytestmark = pytest.mark.slow
-
 SHAPES = ((0.004, 0.008, 0.0005), (0.006, 0.012, 0.001), (0.006, 0.012, 0.0002))
 TURN = 2713
 
@@ -76,6 +74,7 @@ def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
     assert second.info == first.info
 
 
+@pytest.mark.slow
 def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> None:
     """Depth, size, place, kind and number of defects, load, torque, speed and acceleration; several at one step."""
     seed = random.SystemRandom().randrange(2**32)
