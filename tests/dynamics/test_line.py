@@ -153,7 +153,7 @@ def test_what_steps_cannot_follow_is_refused() -> None:
         Simulator(on_line(changes=("dynamics=paper",)))
     for changes in (("speed=5",), ("speed_plan=[{time: 9, speed: 5}]",)):
         with pytest.raises(
-            InputError, match=r"speed = 5 m/s makes steps of 0\.4 ms, .* from 10 m/s, .* up to 0\.001 m"
+            InputError, match=r"speed = 5 m/s makes steps of 0\.4 ms, .* give 10 m/s or more, .* up to 0\.001 m"
         ):
             Simulator(on_line(changes=("step_length=0.002", *changes)))
     simulator = Simulator(on_line(changes=("step_length=0.002",)))

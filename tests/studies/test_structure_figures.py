@@ -25,7 +25,7 @@ from wheelset_track_sim.studies import (
 from wheelset_track_sim.track.balance import moving_track
 from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.track.track import load_track
-from wheelset_track_sim.wheelset.kinds import load_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, with_geometry
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import mode_shapes, reduced_wheelset
 
@@ -75,7 +75,7 @@ def drawn(tmp_path_factory) -> Drawn:
 
 @pytest.fixture(scope="module")
 def reduced() -> ReducedWheelset:
-    return reduced_wheelset(load_wheelset(SCENARIO.wheelset))
+    return reduced_wheelset(with_geometry(SCENARIO.wheelset))
 
 
 @pytest.mark.slow
