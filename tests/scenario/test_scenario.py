@@ -184,7 +184,7 @@ def test_files_are_found_beside_the_scenario_that_names_them(tmp_path: Path, mon
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "axle.yaml").write_text(dump(shipped.load_yaml("wheelsets", "trailer")))
     (tmp_path / "mine" / "soft.yaml").write_text("base: ballasted_60e1\npad: {stiffness: 9.0e+7}\n")
-    (tmp_path / "mine" / "worn.csv").write_text(shipped.text("wheel_profiles", "s1002_hollow.csv"))
+    (tmp_path / "mine" / "worn.csv").write_text(shipped.file("wheel_profiles", "s1002_hollow.csv").read_text())
     text = "name: mine\nspeed: 30.0\naxle_load: 137340.0\nwheelset: axle.yaml\n"
     text += "profiles: {wheel_1: worn.csv, wheel_2: s1002, inclination: 0.025, gauge: 1.435}\n"
     text += "output: {stress_nodes: [A1]}\n"

@@ -12,10 +12,12 @@ from ..errors import InputError, WheelsetTrackError
 from ..inputs import shipped
 from ..runtime.memory import keep_freed_memory
 from ..version import __version__
+from .warned import printed_warnings
 
 if TYPE_CHECKING:
     from ..bags.settings import RecordSettings
     from ..samples.impacts import ImpactSettings
+    from ..twin.measured import Matching, Reading
 
 PROGRAM = "wheelset-track-sim"
 OLD_RESIMULATE = "--simulate-again"
@@ -35,13 +37,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
     try:
-        given = _renamed(given)
-        if given[:1] == ["node"]:  # its arguments are those of every ROS node
-            return _node(given[1:])
-        own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
-        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros))
-        command: Callable[[argparse.Namespace], int] = options.command
-        return command(options)
+        with printed_warnings(PROGRAM) as warnings:
+            given = _renamed(given)
+            if given[:1] == ["node"]:  # its arguments are those of every ROS node
+                return _node(given[1:])
+            own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
+            options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
+            command: Callable[[argparse.Namespace], int] = options.command
+            return command(options)
     except InputError as refusal:
         return _complain(refusal, 2)
     except WheelsetTrackError as failure:
@@ -114,6 +117,63 @@ def _takes_threshold(command: _Parser, where: str = "") -> None:
     command.add_argument("--threshold", type=float, metavar="N", help=what)
 
 
+def _takes_measured(command: _Parser) -> None:
+    command.add_argument(
+        "--unit", action="append", default=[], metavar="UNIT", help="of forces, stresses or time, instead of the file's"
+    )
+    command.add_argument(
+        "--sign", choices=("compression", "tension"), default="compression", help="what a positive force in the file is"
+    )
+    command.add_argument(
+        "--offset",
+        action="append",
+        default=[],
+        metavar="[WHEEL=]FORCE",
+        help="add a force, such as 98.1kN or wheel_1=98.1kN, where a signal has no static load",
+    )
+    command.add_argument(
+        "--column", action="append", default=[], metavar="WHEEL=NAME", help="column that holds wheel_1 or wheel_2"
+    )
+
+
+def _takes_place(command: _Parser) -> None:
+    command.add_argument(
+        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
+    )
+    command.add_argument(
+        "--origin", metavar="TIME", help="time stamp in the file at which the simulation begins, about: s, or ISO 8601"
+    )
+
+
+def _matching(options: argparse.Namespace) -> Matching:
+    from ..inputs.table_rows import seconds_of
+    from ..twin.measured import Matching
+
+    given = {"lag": options.lag, "threshold": options.threshold}
+    if options.origin is not None:
+        given["origin"] = float(seconds_of(options.origin, "--origin"))
+    return Matching(**{name: value for name, value in given.items() if value is not None})
+
+
+def _reading(options: argparse.Namespace) -> Reading:
+    from ..inputs.units import value_of
+    from ..twin.measured import Reading
+    from ..twin.measured.measurement import WHEELS
+
+    offsets: dict[str, float] = {}
+    for text in options.offset:
+        wheel, equals, force = text.rpartition("=")
+        value = value_of(force, "force", "--offset")
+        offsets |= {wheel.strip(): value} if equals else dict.fromkeys(WHEELS, value)
+    columns = {}
+    for text in options.column:
+        wheel, equals, name = text.partition("=")
+        if not equals:
+            raise InputError(f"--column {text!r} is not of the form wheel_1=NAME: give that of a column of the file")
+        columns[wheel.strip()] = name.strip()
+    return Reading(options.unit, options.sign, offsets, columns)
+
+
 def _takes_json(command: _Parser, instead_of: str = "a table") -> None:
     command.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
 
@@ -150,6 +210,7 @@ def _run(options: argparse.Namespace) -> int:
         json=options.json,
         settings=settings,
         impacts=impacts,
+        warnings=options.warnings,
     )
 
 
@@ -220,8 +281,9 @@ def _add_report(commands: _Commands) -> None:
     _takes_bag(report)
     report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
     _takes_threshold(report)
-    report.add_argument("--measured", type=Path, metavar="FILE", help="CSV file or bag to show beside the run")
-    report.add_argument("--lag", type=float, metavar="S", help="zero of what was measured in the run, about, s or m")
+    report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
+    _takes_place(report)
+    _takes_measured(report)
     report.set_defaults(command=_report)
 
 
@@ -230,7 +292,7 @@ def _report(options: argparse.Namespace) -> int:
     from .report import report
 
     settings = None if options.threshold is None else ImpactSettings(options.threshold)
-    return report(options.bag, options.out, settings, options.measured, options.lag)
+    return report(options.bag, options.out, settings, options.measured, _matching(options), _reading(options))
 
 
 def _add_replay(commands: _Commands) -> None:
@@ -311,27 +373,31 @@ def _info(options: argparse.Namespace) -> int:
 def _add_compare(commands: _Commands) -> None:
     compare = _command(commands, "compare", "a bag beside measured wheel forces or axle stresses")
     _takes_bag(compare)
-    compare.add_argument("measured", type=Path, metavar="FILE", help="a CSV file or a bag")
-    compare.add_argument(
-        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
-    )
+    compare.add_argument("measured", type=Path, metavar="FILE", help="a text file or a bag")
+    _takes_place(compare)
+    _takes_measured(compare)
     _takes_threshold(compare)
     _takes_json(compare, "tables")
     compare.set_defaults(command=_compare)
 
 
 def _compare(options: argparse.Namespace) -> int:
-    from ..twin.measured import Matching
     from .compare import compared
 
-    given = {"lag": options.lag, "threshold": options.threshold}
-    matching = Matching(**{name: value for name, value in given.items() if value is not None})
-    return compared(options.bag, options.measured, matching, json=options.json)
+    return compared(
+        options.bag,
+        options.measured,
+        _matching(options),
+        _reading(options),
+        json=options.json,
+        warnings=options.warnings,
+    )
 
 
 def _add_stress(commands: _Commands) -> None:
     stress = _command(commands, "stress", "axle stresses from wheel forces alone")
-    stress.add_argument("forces", type=Path, metavar="FORCES.csv", help="forces of both wheels over time or position")
+    stress.add_argument("forces", type=Path, metavar="FORCES", help="text file: both forces over time or position")
+    _takes_measured(stress)
     names = ", ".join(shipped.names("wheelsets"))
     stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
     stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
@@ -345,7 +411,16 @@ def _stress(options: argparse.Namespace) -> int:
     from .stress import stress
 
     nodes = [name.strip() for name in options.nodes.split(",")] if options.nodes else None
-    return stress(options.forces, options.wheelset, nodes, options.speed, options.out, json=options.json)
+    return stress(
+        options.forces,
+        options.wheelset,
+        nodes,
+        options.speed,
+        options.out,
+        _reading(options),
+        json=options.json,
+        warnings=options.warnings,
+    )
 
 
 def _add_cache(commands: _Commands) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,18 +11,19 @@ from typing import Any
 from rich.table import Table
 
 from ..bags import Bag
-from ..twin.measured import Comparison, Matching, compare
+from ..twin.measured import Comparison, Matching, Reading, compare, read_measurement
 from ..twin.measured.comparison import impact_rows, remarks, rows
-from ..twin.measured.reading import read_measurement
 from .console import print_object, terminal
 
 
-def compared(bag: Path, measured: Path, matching: Matching, *, json: bool) -> int:
+def compared(
+    bag: Path, measured: Path, matching: Matching, reading: Reading, *, json: bool, warnings: Sequence[str] = ()
+) -> int:
     """Compare a bag with a measurement and print how well they agree; returns the exit status."""
-    found = compare(Bag(bag).blocks(), read_measurement(measured), matching)
+    found = compare(Bag(bag).blocks(), read_measurement(measured, reading), matching)
     console = terminal()
     if json:
-        print_object(as_mapping(found))
+        print_object(as_mapping(found) | {"warnings": [*warnings]})
         return 0
     console.print(table(found))
     if found.impacts:
@@ -38,6 +40,8 @@ def as_mapping(found: Comparison) -> dict[str, Any]:
         "measured": str(found.source),
         "axis": found.axis,
         f"lag_{unit}": found.lag,
+        f"begin_{unit}": float(found.begin),
+        "begin_utc": found.begin_utc,
         f"lag_uncertainty_{unit}": found.uncertainty,
         "correlation": found.quality.coefficient,
         "second_best_correlation": found.quality.second,

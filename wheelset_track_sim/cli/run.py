@@ -41,10 +41,12 @@ def run(
     json: bool,
     settings: RecordSettings | None = None,
     impacts: ImpactSettings | None = None,
+    warnings: Sequence[str] = (),
 ) -> int:
     """Simulate a scenario and print its peaks; returns the exit status.
 
-    ``settings`` say how it is recorded to ``out``, ``impacts`` defines an impact there.
+    ``settings`` say how it is recorded to ``out``, ``impacts`` defines an impact there. ``warnings`` grow during the
+    run.
     """
     what = load_scenario(scenario, changes)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
@@ -69,7 +71,7 @@ def run(
         wall = time.perf_counter() - started
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall)
-    result |= {"scenario": what.name, "digest": simulator.digest}
+    result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings]}
     print_object(result) if json else terminal().print(table(result))
     return 0
 

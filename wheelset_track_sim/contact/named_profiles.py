@@ -1,10 +1,8 @@
-"""Lateral profiles as people give them: names, files of columns with units, and points in a scenario."""
+"""Lateral profiles as people give them: names, files, and points in a scenario."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,8 @@ import numpy as np
 from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import read, unknown
-from ..inputs.yaml12 import parse
+from ..inputs.tables import read_table
+from .profile_files import ProfileColumns, ProfileFile, columns_of, read_points, shaped
 from .profiles import LateralProfile, Points, RailHead, Straight
 
 COMPUTED: dict[str, dict[str, LateralProfile]] = {
@@ -22,17 +21,6 @@ COMPUTED: dict[str, dict[str, LateralProfile]] = {
     "rail": {"head_60e1": RailHead()},
 }
 """Profiles of each side that need no points."""
-UNITS = {"m": 1.0, "mm": 1e-3}
-FILES = (".csv", ".yaml", ".yml")
-HEADER = re.compile(r"y_(mm|m),z_(mm|m)")
-
-
-@dataclass(frozen=True)
-class _Columns:
-    """Points of a profile, m: y rising to the field side, z positive where there is more material."""
-
-    y: tuple[float, ...]
-    z: tuple[float, ...]
 
 
 def read_profile(side: str, source: str | Path | Mapping[str, Any] | LateralProfile, where: str) -> LateralProfile:
@@ -43,7 +31,8 @@ def read_profile(side: str, source: str | Path | Mapping[str, Any] | LateralProf
     side
         ``wheel`` or ``rail``.
     source
-        Name of a profile, path of a CSV or YAML file with y and z, or a mapping with ``y`` and ``z``, m.
+        Name of a profile, path of a file, a mapping with ``file`` and what the file does not say (``ProfileFile``), or
+        a mapping with ``y`` and ``z``, m.
     where
         Dotted key that messages begin with.
 
@@ -52,14 +41,14 @@ def read_profile(side: str, source: str | Path | Mapping[str, Any] | LateralProf
     InputError
         If there is no such profile, or its points cannot be used.
     """
-    try:
-        if isinstance(source, (str, Path)):
-            known = str(source) in known_names(side)
-            return _named(side, str(source)) if known else _points(side, _from_file(side, source))
-        if isinstance(source, Mapping):
-            return _points(side, read(_Columns, source, f"points of a {side}"))
-    except InputError as refusal:
-        raise InputError(f"{where}: {refusal}") from None
+    if isinstance(source, (str, Path)) and str(source) in known_names(side):
+        return _named(side, str(source))
+    if isinstance(source, (str, Path, Mapping)):
+        try:
+            columns = _columns(side, source)
+            return Points(np.array(columns.y), np.array(columns.z))
+        except InputError as refusal:
+            raise InputError(f"{where}: {refusal}") from None
     if not hasattr(source, "span"):
         raise InputError(
             f"{where}: {unknown(f'profile of a {side}', repr(str(source)), str(source), known_names(side))}"
@@ -82,56 +71,38 @@ def known_names(side: str) -> list[str]:
     return [*COMPUTED[side], *shipped.names(f"{side}_profiles", ".csv")]
 
 
-def from_file(side: str, path: str | Path) -> dict[str, list[float]]:
-    """Points of a CSV or YAML file as a scenario holds them; raises InputError."""
-    columns = _from_file(side, path)
-    return {"y": list(columns.y), "z": list(columns.z)}
+def with_points(side: str, source: Any, where: str) -> Any:
+    """``source`` with the points of the file that it names in place of the file; raises InputError."""
+    if isinstance(source, str) and source in known_names(side):
+        return source
+    if isinstance(source, str) or (isinstance(source, Mapping) and "file" in source):
+        try:
+            columns = _columns(side, source)
+        except InputError as refusal:
+            raise InputError(f"{where}: {refusal}") from None
+        return {"y": list(columns.y), "z": list(columns.z)}
+    return source
 
 
 @cache
 def _named(side: str, name: str) -> LateralProfile:
     if name in COMPUTED[side]:
         return COMPUTED[side][name]
-    return _points(side, _columns(shipped.text(f"{side}_profiles", f"{name}.csv"), name))
+    y, z = columns_of(read_table(shipped.file(f"{side}_profiles", f"{name}.csv")))
+    return Points(*shaped(side, y, z, name))
 
 
-def _from_file(side: str, source: str | Path) -> _Columns:
-    name, path = str(source), Path(source)
-    if path.suffix not in FILES:
-        raise InputError(unknown(f"profile of a {side}", repr(name), name, known_names(side)))
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as reason:
-        raise InputError(f"{path} cannot be read ({reason}): give a CSV or YAML file with y and z") from None
-    return _columns(text, name) if path.suffix == ".csv" else read(_Columns, parse(text, name), name)
-
-
-def _points(side: str, columns: _Columns) -> Points:
-    profile = Points(np.array(columns.y), np.array(columns.z))
-    if side == "rail":
-        middle, *ends = profile.height([0.0, *profile.span])
-        if max(ends) > middle:
-            raise InputError("z rises from the middle of the head to an end of the points: give z positive upwards")
-    return profile
-
-
-def _columns(text: str, name: str) -> _Columns:
-    """Two columns below a heading with their units; lines that begin with ``#`` are comments."""
-    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
-    lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
-    header = HEADER.fullmatch(lines[0][1].replace(" ", "").lower()) if lines else None
-    if header is None:
-        found = repr(lines[0][1][:40]) if lines else "nothing"
-        raise InputError(f"{name}: {found} does not name columns and units: give y_mm,z_mm or y_m,z_m above the points")
-    units = [UNITS[unit] for unit in header.groups()]
-    rows = [_numbers(line, f"{name}, line {number}") for number, line in lines[1:]]
-    y, z = (tuple(round(row[column] * units[column], 12) for row in rows) for column in (0, 1))
-    return _Columns(y, z)
-
-
-def _numbers(line: str, where: str) -> tuple[float, float]:
-    try:
-        y, z = map(float, line.split(","))
-    except ValueError:
-        raise InputError(f"{where}: {line[:40]!r} is not two numbers with a comma between") from None
-    return y, z
+def _columns(side: str, source: Any) -> ProfileColumns:
+    """Points that a user gives, in a file or not."""
+    if isinstance(source, Mapping) and "file" not in source:
+        columns = read(ProfileColumns, source, f"points of a {side}")
+        y, z = shaped(side, np.array(columns.y), np.array(columns.z), f"points of a {side}")
+        return ProfileColumns(tuple(y.tolist()), tuple(z.tolist()))
+    given = read(ProfileFile, source, f"file of a {side}") if isinstance(source, Mapping) else ProfileFile(str(source))
+    path = Path(given.file)
+    if not path.is_file():
+        if path.suffix or path.exists():
+            found = "is no file" if path.exists() else "does not exist"
+            raise InputError(f"{path} {found}: give a file with y and z, or one of {', '.join(known_names(side))}")
+        raise InputError(unknown(f"profile of a {side}", repr(given.file), given.file, known_names(side)))
+    return read_points(side, given)

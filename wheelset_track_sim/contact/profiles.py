@@ -217,12 +217,16 @@ class Points:
 
 
 def inclined(rail: LateralProfile, tangent: float) -> LateralProfile:
-    """A rail leaning to the middle of the track by ``tangent``, such as 1/40; y = 0 stays where it is."""
+    """A rail leaning to the middle of the track by ``tangent``, such as 1/40, about y = 0 at the height of its top.
+
+    Its heights may count from anywhere.
+    """
     if tangent == 0.0:
         return rail
     low, high = rail.span
     flat = np.linspace(low, high, 2 * int((high - low) / 2e-4) + 1)
     z = rail.height(flat)
+    z = z - z.max(initial=-np.inf, where=np.isfinite(z))
     cosine = 1.0 / np.hypot(1.0, tangent)
     across, up = cosine * (flat - tangent * z), cosine * (z + tangent * flat)
     middle = len(flat) // 2

@@ -199,6 +199,9 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
         if data["type"] not in kinds:
             raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
+    members = [kind for kind in arguments if kind is not type(None)]
+    if len(members) == 1:
+        return _value(members[0], data, where)
     plain = [kind for kind in arguments if dataclasses.is_dataclass(kind)]
     if len(plain) == 1 and isinstance(data, Mapping):
         return _value(plain[0], data, where)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..contact.named_profiles import FILES, from_file
+from ..contact.named_profiles import with_points
 from ..errors import InputError
 from ..inputs.schema import read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
@@ -15,6 +15,8 @@ from .scenario import TRACK, WHEELSET, Scenario
 
 MODELS = {"wheelset": WHEELSET, "track": TRACK}
 """Keys that name a model, with the model of a scenario that names none."""
+PROFILES = ("wheel_1", "wheel_2", "rail_1", "rail_2")
+"""Keys of ``profiles`` that name lateral profiles."""
 
 
 def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
@@ -64,14 +66,9 @@ def take_in(data: dict[str, Any]) -> None:
     for key in MODELS:
         _take_in_model(data, key, f"{key}s")
     profiles = data.get("profiles")
-    if not isinstance(profiles, dict):
-        return
-    for surface, given in profiles.items():
-        if isinstance(given, str) and Path(given).suffix in FILES:
-            try:
-                profiles[surface] = from_file(surface.partition("_")[0], given)
-            except InputError as refusal:
-                raise InputError(f"profiles.{surface}: {refusal}") from None
+    if isinstance(profiles, dict):
+        for surface in filter(profiles.__contains__, PROFILES):
+            profiles[surface] = with_points(surface.partition("_")[0], profiles[surface], f"profiles.{surface}")
 
 
 def override(data: dict[str, Any], change: str) -> None:
@@ -107,7 +104,8 @@ def _find_beside(data: dict[str, Any], folder: Path) -> None:
     """Give the files that a scenario names, and that are beside it, by their path from here."""
     places: list[tuple[Any, str]] = [(data, "wheelset"), (data, "track"), (data.get("track"), "base")]
     profiles, irregularities = data.get("profiles"), data.get("irregularities")
-    places += [(profiles, surface) for surface in (profiles if isinstance(profiles, dict) else ())]
+    for surface, profile in profiles.items() if isinstance(profiles, dict) else ():
+        places += [(profiles, surface), (profile, "file")]
     places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
     for place, key in places:
         name = place.get(key) if isinstance(place, dict) else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -17,6 +18,7 @@ from ...samples.resampling import band_limited
 
 Axis = Literal["time", "position"]
 UNITS: dict[Axis, str] = {"time": "s", "position": "m"}
+WHEELS = ("wheel_1", "wheel_2")
 
 SHORTEST = 16
 """Fewest samples of a measurement."""
@@ -45,9 +47,11 @@ class Measurement:
     source: Path
     axis: Axis
     at: Real
-    """(n,) s or m, from any origin, increasing."""
+    """(n,) s or m from ``origin`` on, increasing."""
     signals: Mapping[str, Real]
     """(n,) each."""
+    origin: Decimal = Decimal(0)
+    """What is taken off time stamps that count from far away, exactly: s since 1970, for example."""
 
     def __post_init__(self) -> None:
         if len(self.at) < SHORTEST:
