@@ -14,7 +14,7 @@ from wheelset_track_sim.contact.solutions import approach_for_force, solver
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import load_models
-from wheelset_track_sim.simulation.simulator import SETTLING
+from wheelset_track_sim.simulation.settling import SETTLING
 
 STEPS = 60
 PLACES = {"smooth": 1000, "impact": 1770}

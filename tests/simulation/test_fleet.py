@@ -61,7 +61,7 @@ def test_each_gives_the_same_bits_as_alone():
 
 @pytest.mark.parametrize("dynamics", ["causal", pytest.param("paper", marks=pytest.mark.slow)])
 def test_a_neighbours_steps_touch_nothing_of_mine(dynamics, monkeypatch):
-    monkeypatch.setattr("wheelset_track_sim.simulation.simulator.SETTLING", 0.02)
+    monkeypatch.setattr("wheelset_track_sim.simulation.settling.SETTLING", 0.02)
     mine = load_scenario("undamaged", [f"dynamics={dynamics}", "speed=25"])  # of 4e-5 s a step: quick to transform
     # Without tables the active set is solved in every step, from its last solution.
     models = load_models(mine, tables=dynamics == "paper")

@@ -110,6 +110,17 @@ def test_a_settled_state_is_kept_and_started_from_again(smooth: Simulator) -> No
         assert all(np.array_equal(again.advance(500).forces, forces) for forces in expected)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rough_wheel", "flat_fresh"])
+def test_a_settled_state_on_surfaces_is_started_from_again(name: str) -> None:
+    first = Simulator(load_scenario(name))
+    settled = first.settle()
+    expected = [first.advance(500).forces for _ in range(3)]
+    again = Simulator(first.in_force, models=first.models)
+    again.settle(settled)
+    assert all(np.array_equal(again.advance(500).forces, forces) for forces in expected)
+
+
 @pytest.mark.parametrize("name", ["undamaged", "hanging_sleeper"])
 def test_treads_differ_from_one_settled_state(name: str) -> None:
     plain = Simulator(load_scenario(name))

@@ -159,7 +159,7 @@ def test_paper_dynamics_keep_their_speed() -> None:
 
 @pytest.mark.slow
 def test_paper_dynamics_keep_their_speed_while_they_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wheelset_track_sim.simulation.simulator.SETTLING", 0.02)
+    monkeypatch.setattr("wheelset_track_sim.simulation.settling.SETTLING", 0.02)
     simulator = Simulator(load_scenario("undamaged", ["dynamics=paper", "speed=25"]))
     with pytest.raises(InputError, match="speed cannot change in paper dynamics"):
         change(simulator, speed=30.0)

@@ -13,7 +13,8 @@ from support.unreduced import Unreduced
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.scenario import WHEELS, Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
-from wheelset_track_sim.simulation.simulator import SETTLING, Simulator
+from wheelset_track_sim.simulation.settling import SETTLING
+from wheelset_track_sim.simulation.simulator import Simulator
 
 BOUND = 1e-3
 """Of the static load, and of the largest static component of a node's stress."""

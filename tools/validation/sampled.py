@@ -20,7 +20,7 @@ from wheelset_track_sim.dynamics.moving_green_functions import moving_green_func
 from wheelset_track_sim.dynamics.paper import PaperModel
 from wheelset_track_sim.dynamics.paper_kernels import Paper
 from wheelset_track_sim.scenario import Scenario
-from wheelset_track_sim.simulation import simulator
+from wheelset_track_sim.simulation import settling
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.track.bloch import bloch_track
 from wheelset_track_sim.track.track import HALVES, Track
@@ -218,7 +218,7 @@ class SampledModel:
 @contextmanager
 def settling_briefly() -> Iterator[None]:
     """Runs within it settle for ``SETTLING``."""
-    with patch.object(simulator, "SETTLING", SETTLING):
+    with patch.object(settling, "SETTLING", SETTLING):
         yield
 
 

@@ -18,7 +18,7 @@ from ..studies.conduct import Resources, conduct
 from ..studies.results import Results
 from ..studies.study import FIGURES, Study, StudyRun, load_study
 from ..studies.summary_page import write_summary
-from ..studies.tables import Table, tables, write_csv
+from ..studies.tables import ResultTable, tables, write_csv
 from .console import terminal
 from .progress import shown
 
@@ -97,7 +97,7 @@ def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
     return files + (write_csv(results, task.out) if task.runs else [])
 
 
-def _for_terminal(table: Table, title: str) -> RichTable:
+def _for_terminal(table: ResultTable, title: str) -> RichTable:
     printed = RichTable(title=f"{title}\n{table.title}", title_justify="left")
     for column, heading in enumerate(table.headings):
         printed.add_column(heading, justify="left" if column == 0 else "right", overflow="fold")

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import ContactPatch, approach_for_force
 from ..errors import InputError
-from ..irregularities import Irregularity
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
@@ -23,18 +21,10 @@ from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
 from .instants import Contact
 from .models import Models, load_models
-from .passage import FADE, passage
 from .preload import Loading
+from .settling import SETTLING, Settled, Settling, settle
 from .speed import Course, Stretch
 from .superposition import Superposition, followed, superposition
-
-SETTLING = 1.0
-"""Time of smooth running that a run settles with, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the
-difference between standing and running, which is itself below 1 % of the static load."""
-LEAD = 2.0
-"""Time on the scenario's surfaces before step 0, s: the bending of the axle that a defect excites decays meanwhile."""
-LEAD_AFTER_FADE = 0.3
-"""The same on surfaces that never leave the patch, after they have faded in, s: these excite it evenly."""
 
 CHANGEABLE = (
     "name",
@@ -51,38 +41,6 @@ CHANGEABLE = (
 
 REMEMBERED = 10_000
 """Changes that a run remembers, the latest: some 2 kB each."""
-
-
-class Settling(NamedTuple):
-    """What a run settles under."""
-
-    wheel_load: float
-    """N on each wheel."""
-    step: int
-    """The first step after settling."""
-    speed: float
-    """m/s"""
-    surfaces: tuple[tuple[Irregularity, ...], float | None]
-    """Irregularities, and the length after which those of the rails repeat, m."""
-
-
-@dataclass(frozen=True, eq=False)
-class Settled:
-    """A run in steady state, from which simulators begin."""
-
-    under: Settling
-    coupled: Coupled
-
-    def check(self, under: Settling, models: Models) -> None:
-        """Raise InputError unless a simulator of ``models`` can begin from it ``under`` these conditions."""
-        if self.coupled.models is not models:
-            raise InputError("the settled state belongs to other models: hand the same models to the simulator")
-        for name in ("wheel_load", "step", "speed"):
-            given, own = getattr(under, name), getattr(self.under, name)
-            if given != own:
-                raise InputError(f"the settled state has {name} = {own:g}, the run {given:g}: settle it anew")
-        if under.surfaces != self.under.surfaces:
-            raise InputError("the settled state is of a run on other surfaces: settle it anew")
 
 
 class Simulator:
@@ -178,38 +136,11 @@ class Simulator:
         on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
         under = Settling(scenario.wheel_load, start.step, start.speed, on)
         if settled is None:
-            stages = self._settling(under)
-            coupled = Coupled(self._models, scenario.wheel_load, stages[0].from_step, start.speed)
-            for stage, end in zip(stages, [*(each.from_step for each in stages[1:]), start.step], strict=True):
-                while coupled.next_step < end:  # once; again from a step without solution, which raises
-                    coupled.run(stage, start.speed, np.tile(stage.preload, (end - coupled.next_step, 1)))
-            settled = Settled(under, coupled.copy())
-        else:
-            settled.check(under, self._models)
-            coupled = settled.coupled.copy()
-        self._coupled = coupled
+            settled = settle(self._models, self._first, self._smooth, under)
+        settled.check(under, self._models)
+        self._coupled = settled.coupled.copy()
+        self._first.law.in_contact[...] = settled.in_contact
         return settled
-
-    def _settling(self, under: Settling) -> list[Condition]:
-        """What a run settles on: smooth surfaces, then those of the scenario; each from a step on, up to the next."""
-        first, models, dt = self._first, self._models, self.in_force.step_length / under.speed
-        smooth = dataclasses.replace(first, law=self._smooth, tread_origin=models.tread_origin)
-        lead = 0
-        stages: list[Condition] = []
-        if under.surfaces[0]:
-            turn, origin = models.steps_per_revolution, models.tread_origin
-            lead = max(round(LEAD / dt), turn)
-            clear = passage(self._smooth, first.law, under.step - lead, origin)
-            if clear is None:
-                lead = max(round((FADE + LEAD_AFTER_FADE) / dt), turn)
-                begin = under.step - lead
-                plain = dataclasses.replace(first.scenario, irregularities=())
-                law, steps = models.fade_law(plain, first.scenario, begin, under.speed)
-                row_0, clear = begin - len(law.x), begin + steps
-                stages.append(dataclasses.replace(first, law=law, from_step=begin, tread_origin=row_0))
-            stages.append(dataclasses.replace(first, from_step=clear))
-        begin = under.step - lead - round(SETTLING / dt)
-        return [dataclasses.replace(smooth, from_step=begin), *stages]
 
     @property
     def scenario(self) -> Scenario:

@@ -66,7 +66,7 @@ def read_axis(name: str, data: Any, where: str) -> Axis:
         return Axis(name, _distinct(points, where), name, "")
     values = _values(data, si, where)
     numeric = all(isinstance(value, float) for value in values)
-    unit = units.for_people(si) if numeric else units.Unit("")
+    unit = units.for_people(si) if numeric else units.ShownUnit("")
     points = [
         Point(f"{value / unit.size:.6g} {unit.name}".rstrip() if numeric else str(value), value, ((name, value),))
         for value in values

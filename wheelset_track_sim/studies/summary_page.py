@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..report.files import PAPER, STYLE
 from . import drawing
-from .tables import Table
+from .tables import ResultTable
 
 MORE_STYLE = """
 figure svg { min-width: 38rem; }
@@ -20,7 +20,7 @@ PRINTED = f"“Paper” is {PAPER}"
 
 
 def write_summary(
-    out: Path, title: str, description: str, made_by: str, tables: Sequence[Table], files: Sequence[Path]
+    out: Path, title: str, description: str, made_by: str, tables: Sequence[ResultTable], files: Sequence[Path]
 ) -> list[Path]:
     """Write ``summary.md`` and ``summary.html`` into ``out``; ``files`` are the figures and tables written before.
 
@@ -39,7 +39,7 @@ def write_summary(
     return paths
 
 
-def _markdown(title: str, description: str, made_by: str, tables: Sequence[Table], files: Sequence[Path]) -> str:
+def _markdown(title: str, description: str, made_by: str, tables: Sequence[ResultTable], files: Sequence[Path]) -> str:
     parts = [f"# {title}", description.strip(), f"{made_by}." if made_by else ""]
     for table in tables:
         parts.append(f"## {table.title}")
@@ -54,7 +54,7 @@ def _markdown(title: str, description: str, made_by: str, tables: Sequence[Table
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _html(title: str, description: str, made_by: str, tables: Sequence[Table], files: Sequence[Path]) -> str:
+def _html(title: str, description: str, made_by: str, tables: Sequence[ResultTable], files: Sequence[Path]) -> str:
     sections = [_table(table) for table in tables]
     if any(table.title == "Beside the paper" for table in tables):
         sections.append(f'<p class="quiet">{escape(PRINTED)}</p>')
@@ -80,7 +80,7 @@ def _html(title: str, description: str, made_by: str, tables: Sequence[Table], f
 """
 
 
-def _table(table: Table) -> str:
+def _table(table: ResultTable) -> str:
     head = "".join(f"<th>{escape(heading)}</th>" for heading in table.headings)
     rows = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
     body = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"

@@ -22,7 +22,7 @@ MOST_ROWS = 30
 
 
 @dataclass(frozen=True)
-class Table:
+class ResultTable:
     """Rows of text under headings with units."""
 
     title: str
@@ -56,16 +56,16 @@ def write_csv(results: Results, out: Path) -> list[Path]:
     return paths
 
 
-def tables(results: Results) -> Iterator[Table]:
+def tables(results: Results) -> Iterator[ResultTable]:
     """Tables for people: all runs or their extremes, and what the paper prints beside."""
     if results.study.outputs:
         yield _runs(results) if len(results.runs) <= MOST_ROWS else _extremes(results)
     compared = tuple(_compared(results))
     if compared:
-        yield Table("Beside the paper", ("run", "quantity", "this study", "paper", "difference"), compared)
+        yield ResultTable("Beside the paper", ("run", "quantity", "this study", "paper", "difference"), compared)
     if results.failures:
         rows = tuple((results.runs[index].label, results.failures[index]) for index in sorted(results.failures))
-        yield Table("Runs that failed", ("run", "reason"), rows)
+        yield ResultTable("Runs that failed", ("run", "reason"), rows)
 
 
 def number(value: float) -> str:
@@ -75,7 +75,7 @@ def number(value: float) -> str:
     return f"{value:.2f}" if abs(value) < 10 else f"{value:.1f}"
 
 
-def _runs(results: Results) -> Table:
+def _runs(results: Results) -> ResultTable:
     names = results.study.outputs
     shown = [units.for_people(unit_of(name)) for name in names]
     headings = [units.text(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
@@ -84,12 +84,12 @@ def _runs(results: Results) -> Table:
         for index in range(len(results.runs))
     ]
     if len(results.runs) == 1:
-        return Table("The run", ("quantity", "value"), tuple(zip(headings, values[0], strict=True)))
+        return ResultTable("The run", ("quantity", "value"), tuple(zip(headings, values[0], strict=True)))
     rows = [(*(point.label for point in run.points), *row) for run, row in zip(results.runs, values, strict=True)]
-    return Table("All runs", (*(axis.meaning for axis in results.axes), *headings), tuple(rows))
+    return ResultTable("All runs", (*(axis.meaning for axis in results.axes), *headings), tuple(rows))
 
 
-def _extremes(results: Results) -> Table:
+def _extremes(results: Results) -> ResultTable:
     """Largest and smallest value of every output along the longest axis, for each combination of the others."""
     longest = max(results.axes, key=lambda axis: len(axis.points))
     groups: dict[tuple[str, ...], list[int]] = {}
@@ -110,7 +110,7 @@ def _extremes(results: Results) -> Table:
             rows.append((*rest, label_of(name), *texts))
     others = [axis.meaning for axis in results.axes if axis is not longest]
     headings = (*others, "quantity", "largest", "smallest")
-    return Table(f"Extremes over the {longest.meaning}", headings, tuple(rows))
+    return ResultTable(f"Extremes over the {longest.meaning}", headings, tuple(rows))
 
 
 def _compared(results: Results) -> Iterator[tuple[str, ...]]:

@@ -11,7 +11,7 @@ from ..scenario.scenario import BAND, Scenario
 
 
 @dataclass(frozen=True)
-class Unit:
+class ShownUnit:
     """A unit with its size in SI."""
 
     name: str
@@ -19,21 +19,21 @@ class Unit:
 
 
 FOR_PEOPLE = {
-    "m/s": Unit("km/h", 1 / 3.6),
-    "m": Unit("mm", 1e-3),
-    "N": Unit("kN", 1e3),
-    "Pa": Unit("MPa", 1e6),
-    "s": Unit("ms", 1e-3),
+    "m/s": ShownUnit("km/h", 1 / 3.6),
+    "m": ShownUnit("mm", 1e-3),
+    "N": ShownUnit("kN", 1e3),
+    "Pa": ShownUnit("MPa", 1e6),
+    "s": ShownUnit("ms", 1e-3),
 }
 """What people read in the place of an SI unit; the others are read as they are."""
 
-ACCEPTED = {unit.name: (si, unit) for si, unit in FOR_PEOPLE.items()} | {"t": ("N", Unit("t", 9810.0))}
+ACCEPTED = {unit.name: (si, unit) for si, unit in FOR_PEOPLE.items()} | {"t": ("N", ShownUnit("t", 9810.0))}
 """Units beside SI in which a study may give values, by name, with the SI unit."""
 
 
-def for_people(si: str) -> Unit:
+def for_people(si: str) -> ShownUnit:
     """The unit in which people read a quantity of the SI unit ``si``."""
-    return FOR_PEOPLE.get(si, Unit(si))
+    return FOR_PEOPLE.get(si, ShownUnit(si))
 
 
 def text(quantity: str, unit: str) -> str:
