@@ -1,4 +1,4 @@
-"""One file of a bag while it is written."""
+"""The files of a bag while they are written."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from io import FileIO
 from pathlib import Path
 
 from ..version import __version__
-from .folder_metadata import BagPart
+from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .mcap.writer import McapWriter
 from .topics import Topic
 
@@ -54,6 +54,11 @@ class BagFile:
     def holds_messages(self) -> bool:
         """Whether there are any, written or not."""
         return self._mcap.holds_messages
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """Topics of its messages, in the order of the first ones."""
+        return tuple(self._channels)
 
     @property
     def part(self) -> BagPart:
@@ -126,3 +131,91 @@ class BagFile:
         channel = self._mcap.add_channel(topic.name, topic.message_encoding, self._schemas[of], topic.metadata)
         self._channels[topic] = channel
         return channel
+
+
+class BagFiles:
+    """One file if the path ends in ``.mcap``, otherwise a folder of files with ``metadata.yaml``.
+
+    All methods raise OSError if the disk refuses.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Create the folder, which must not exist, or the folders above a single file."""
+        self.path = path
+        self.folder = path.suffix != ".mcap"
+        if self.folder:
+            path.mkdir(parents=True)
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        self.finished: list[BagPart] = []
+        self.current: BagFile | None = None
+        self._begun = 0
+        self._topics: dict[str, Topic] = {}
+
+    @property
+    def bound(self) -> int:
+        """Largest size of all files, bytes, if they are finished now."""
+        return sum(part.size for part in self.finished) + (self.current.bound if self.current else 0)
+
+    def begin(self, begin_ns: int, records: Mapping[str, Mapping[str, str]]) -> BagFile:
+        """Finish the current file, and begin another one."""
+        before = self.current
+        if before is not None:
+            before.finish()
+        file = BagFile(self._path_of(f"{self.path.name}_{self._begun}.mcap"), begin_ns, records)
+        self._end_current()
+        self.current, self._begun = file, self._begun + 1
+        self._write_metadata()
+        return file
+
+    def finish(self) -> None:
+        """Finish the current file; finishing again does nothing."""
+        if self.current is not None:
+            self.current.finish()
+            self._end_current()
+            self._write_metadata()
+
+    def abandon(self) -> None:
+        """Finish as far as the disk allows, after it refused; raises nothing."""
+        if self.current is not None:
+            self.current.abandon()
+            self._end_current()
+        with suppress(OSError):
+            self._write_metadata()
+
+    def remove_oldest(self) -> None:
+        """Remove the file that was finished first."""
+        oldest = self.finished.pop(0)
+        self._write_metadata()
+        self._path_of(oldest.name).unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        """Remove all files, and the folder unless it holds others."""
+        self.abandon()
+        for part in self.finished:
+            self._path_of(part.name).unlink(missing_ok=True)
+        if self.folder:
+            (self.path / METADATA).unlink(missing_ok=True)
+            with suppress(OSError):
+                self.path.rmdir()
+
+    def _path_of(self, name: str) -> Path:
+        return self.path / name if self.folder else self.path
+
+    def _end_current(self) -> None:
+        if self.current is not None:
+            self.finished.append(self.current.part)
+            self._note_topics(self.current)
+            self.current = None
+
+    def _write_metadata(self) -> None:
+        parts = [*self.finished]
+        if self.current is not None:
+            parts.append(self.current.part)
+            self._note_topics(self.current)
+        if self.folder and parts:
+            write_folder_metadata(self.path, parts, [*self._topics.values()])
+
+    def _note_topics(self, file: BagFile) -> None:
+        for topic in file.topics:
+            self._topics.setdefault(topic.name, topic)

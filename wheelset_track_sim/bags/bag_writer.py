@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from shutil import rmtree
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -16,8 +15,7 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN, TurnPeaks
-from .bag_file import BagFile
-from .folder_metadata import METADATA, BagPart, write_folder_metadata
+from .bag_file import BagFiles
 from .messages import Message, State, chunk_messages, impact_message, state_again, state_message
 from .run_info import METADATA_NAME, Input, RunInfo
 from .settings import RecordSettings
@@ -126,26 +124,17 @@ class BagWriter(Writer):
         self._info = info
         self._settings = settings or RecordSettings()
         self._splits = self._settings.splits
-        self._folder = None if self.path.suffix == ".mcap" else self.path
-        if self._folder is None and self._splits:
+        if self.path.suffix == ".mcap" and self._splits:
             raise InputError(f"{self.path} is a single file, which cannot be split: give a folder, without .mcap")
         self._topics: dict[str, Topic] = {}  # by the names of messages
-        self._parts: list[BagPart] = []  # that are finished
-        self._number = 0
         self._flushed_ns = self._end_ns = start_ns
         self._state = state
-        self._state_due = True
         self._note = ""
         self._open = True
         with creating(self.path), ExitStack() as undo:
-            if self._folder is None:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
-            else:
-                self._folder.mkdir(parents=True)
-                undo.callback(rmtree, self._folder, ignore_errors=True)
-            self._file = self._new_file(0)
-            undo.callback(self._file.abandon)
-            self._write_folder_metadata()
+            self._files = BagFiles(self.path)
+            undo.callback(self._files.remove)
+            self._begin_file()
             undo.pop_all()
 
     @property
@@ -156,7 +145,7 @@ class BagWriter(Writer):
     @property
     def bound(self) -> int:
         """Largest size of its files, bytes, if it is closed now."""
-        return sum(part.size for part in self._parts) + (self._file.bound if self._open else self._file.size)
+        return self._files.bound
 
     def write_messages(self, messages: Iterable[Message]) -> None:
         """Record messages that belong together; they stay in one chunk of the file."""
@@ -177,7 +166,7 @@ class BagWriter(Writer):
         The state is repeated there, with the ``note``. Raises RecordingError if the disk refuses.
         """
         self._note = note
-        if self._folder is not None and self._file.holds_messages:
+        if self._files.folder and self._file.holds_messages:
             self.split()
 
     def split(self) -> Path:
@@ -187,11 +176,11 @@ class BagWriter(Writer):
         RecordingError if the disk refuses.
         """
         with self._disk():
-            if self._folder is None:
+            if not self._files.folder:
                 raise InputError(f"{self.path} is a single file, which cannot be split: record into a folder")
             if not self._file.holds_messages:
                 raise InputError(f"{self.file} holds nothing yet: split it later")
-            self._next_file()
+            self._begin_file()
         return self.file
 
     def snapshot(self) -> Path:
@@ -208,8 +197,7 @@ class BagWriter(Writer):
         if not self._open:
             return
         with self._disk():
-            self._file.finish()
-            self._write_folder_metadata()
+            self._files.finish()
         self._open = False
 
     def remove_if_empty(self) -> None:
@@ -219,28 +207,11 @@ class BagWriter(Writer):
 
     def remove(self) -> None:
         """Remove all files of a closed bag, and its folder unless it holds other files."""
-        if self._folder is None:
-            self.file.unlink(missing_ok=True)
-            return
-        for name in [*(part.name for part in self._parts), self.file.name, METADATA]:
-            (self._folder / name).unlink(missing_ok=True)
-        with suppress(OSError):
-            self._folder.rmdir()
+        self._files.remove()
 
-    def _path_of(self, number: int) -> Path:
-        return self.path if self._folder is None else self._folder / f"{self.path.name}_{number}.mcap"
-
-    def _new_file(self, number: int) -> BagFile:
-        return BagFile(self._path_of(number), self._end_ns, {METADATA_NAME: self._info.to_metadata()})
-
-    def _next_file(self) -> None:
-        before = self._file
-        before.finish()
-        self._file = self._new_file(self._number + 1)
-        self._number += 1
-        self._parts.append(before.part)
+    def _begin_file(self) -> None:
+        self._file = self._files.begin(self._end_ns, {METADATA_NAME: self._info.to_metadata()})
         self._state_due = True
-        self._write_folder_metadata()
 
     def _make_room(self, stamp_ns: int, more: int) -> None:
         """Begin another file, and remove the oldest ones, if the bounds require it before ``more`` bytes."""
@@ -250,11 +221,9 @@ class BagWriter(Writer):
         full = 0 < settings.file_size < self._file.bound + more
         long = 0 < settings.max_duration * SECOND_NS <= stamp_ns - self._file.begin_ns
         if self._file.holds_messages and (full or long):
-            self._next_file()
-        while self._parts and 0 < settings.max_total_size < self.bound + more:
-            oldest = self._parts.pop(0)
-            self._write_folder_metadata()
-            self._path_of(0).with_name(oldest.name).unlink(missing_ok=True)
+            self._begin_file()
+        while self._files.finished and 0 < settings.max_total_size < self.bound + more:
+            self._files.remove_oldest()
 
     def _add(self, message: Message) -> None:
         if message.kind == STATE:  # the next file begins with it
@@ -275,10 +244,6 @@ class BagWriter(Writer):
         if again is not None:
             self._add(again)
 
-    def _write_folder_metadata(self) -> None:
-        if self._folder is not None:
-            write_folder_metadata(self._folder, [*self._parts, self._file.part], [*self._topics.values()])
-
     @contextmanager
     def _disk(self) -> Iterator[None]:
         """Require that the bag is open; finish it, as far as the disk allows, if the disk refuses."""
@@ -288,9 +253,7 @@ class BagWriter(Writer):
             yield
         except OSError as reason:
             self._open = False
-            self._file.abandon()
-            with suppress(OSError):
-                self._write_folder_metadata()
+            self._files.abandon()
             raise RecordingError(
                 f"{self.path} cannot be written further ({reason.strerror}): free space or give another path"
             ) from reason

@@ -73,8 +73,11 @@ def write_folder_metadata(folder: Path, parts: Sequence[BagPart], topics: Sequen
             f"    message_count: {part.count}",
         ]
     temporary = folder / f"{METADATA}.tmp"
-    temporary.write_text("\n".join([*lines, ""]), "utf-8")
-    temporary.replace(folder / METADATA)
+    try:
+        temporary.write_text("\n".join([*lines, ""]), "utf-8")
+        temporary.replace(folder / METADATA)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def missing_files(folder: Path) -> list[Damage]:

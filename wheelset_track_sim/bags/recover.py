@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,12 +9,9 @@ from mcap.records import Metadata
 
 from ..errors import InputError, RecordingError
 from .bag import Bag
-from .bag_file import BagFile
+from .bag_file import BagFiles
 from .bag_reader import BagReader, beside
-from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .losses import Damage, Gap, Loss
-from .mcap.reader import StoredMessage
-from .topics import Topic
 
 
 @dataclass(frozen=True)
@@ -61,111 +57,57 @@ def recover(path: str | Path, out: str | Path | None = None) -> Recovered:
     losses: list[Loss] = []
     reader = BagReader(Path(path), losses.append)
     files = reader.files
-    copy = _Copy(Path(out) if out is not None else beside(reader.path, "_recovered"))
+    target = Path(out) if out is not None else beside(reader.path, "_recovered")
+    if target.exists():
+        raise InputError(f"{target} exists already: give another path, or remove it first")
     reader.report_missing()
-    lost = 0
     try:
-        for file in files:
-            lost += _take(reader, file, copy, losses)
-        copy.finish()
-        if copy.messages == 0:
-            raise RecordingError(  # noqa: TRY301 - as for all others, nothing is left behind
-                f"{reader.path} holds nothing that can be saved ({losses[0] if losses else 'it has no messages'}): "
-                "give a bag with a whole chunk"
-            )
-    except BaseException as reason:
-        copy.remove()
-        if isinstance(reason, OSError):
-            raise RecordingError(
-                f"{reader.path} cannot be saved to {copy.path} ({reason.strerror}): free space or give another path"
-            ) from None
-        raise
-    first, steps, seconds = _read_back(copy.path, losses)
-    return Recovered(copy.path, copy.chunks, lost, copy.messages, first, steps, seconds, tuple(losses))
+        copy = BagFiles(target)
+        try:
+            counts = [_copy(reader, file, copy, losses) for file in files]
+            copy.finish()
+            messages = sum(part.count for part in copy.finished)
+            if messages == 0:
+                raise RecordingError(  # noqa: TRY301 - as for all others, nothing is left behind
+                    f"{reader.path} holds nothing that can be saved ({losses[0] if losses else 'it has no messages'}): "
+                    "give a bag with a whole chunk"
+                )
+        except BaseException:
+            copy.remove()
+            raise
+    except OSError as reason:
+        raise RecordingError(
+            f"{reader.path} cannot be saved to {target} ({reason.strerror}): free space or give another path"
+        ) from None
+    saved, lost = (sum(of) for of in zip(*counts, strict=True))
+    first, steps, seconds = _read_back(target, losses)
+    return Recovered(target, saved, lost, messages, first, steps, seconds, tuple(losses))
 
 
-def _take(reader: BagReader, file: Path, copy: _Copy, losses: list[Loss]) -> int:
-    """Copy the readable chunks of a file; returns how many others there are, as far as that is known."""
-    copy.end_file()
+def _copy(reader: BagReader, file: Path, copy: BagFiles, losses: list[Loss]) -> tuple[int, int]:
+    """Copy the readable chunks of a file; returns their number, and the number of others as far as that is known."""
     with reader.opened(file) as mcap:
         listed = None if mcap.index is None else len(mcap.index.chunks)
-    info: Metadata | None = None
-    before, saved = len(losses), copy.chunks
+    out = None if copy.folder else copy.current
+    info: dict[str, dict[str, str]] = {}
+    saved, before = 0, len(losses)
     read: set[int] = set()
     for mcap, item in reader.contents(file):
         if isinstance(item, Metadata):
-            info = item if reader.info_in(file, item) else info
+            info = {item.name: item.metadata} if reader.info_in(file, item) else info
             continue
         read.add(item.place)
-        if messages := [*mcap.messages(item)]:
-            copy.write(messages, info)
+        messages = [*mcap.messages(item)]
+        if messages:
+            out = out or copy.begin(0, info)
+            for topic, sequence, time_ns, published_ns, data in messages:
+                out.add(topic, time_ns, data, sequence=sequence, published_ns=published_ns)
+            out.flush()
+            saved += 1
     if listed is not None:
-        return listed - (copy.chunks - saved)
+        return saved, listed - saved
     damages = [loss for loss in losses[before:] if isinstance(loss, Damage) and loss.place not in read]
-    return sum(damage.place < damage.end < mcap.size for damage in damages)
-
-
-class _Copy:
-    """Messages as they are, in one file if its path ends in ``.mcap``, otherwise in a folder."""
-
-    def __init__(self, path: Path) -> None:
-        """Write nothing before the first chunk; raises InputError if the path exists."""
-        if path.exists():
-            raise InputError(f"{path} exists already: give another path, or remove it first")
-        self.path = path
-        self.chunks = self.messages = 0
-        self._folder = path.suffix != ".mcap"
-        self._made: list[Path] = []
-        self._file: BagFile | None = None
-        self._parts: list[BagPart] = []
-        self._topics: dict[str, Topic] = {}
-
-    def write(self, messages: Iterable[StoredMessage], info: Metadata | None) -> None:
-        """Write messages as one chunk, with the record ``info`` where a file begins."""
-        file = self._file = self._file or self._new_file(info)
-        for message in messages:
-            times = message.log_time, message.publish_time
-            file.add(message.topic, times[0], message.data, sequence=message.sequence, published_ns=times[1])
-            self._topics.setdefault(message.topic.name, message.topic)
-            self.messages += 1
-        file.flush()
-        self.chunks += 1
-
-    def end_file(self) -> None:
-        """Continue in another file, if the path is a folder."""
-        if self._folder:
-            self._finish_file()
-
-    def finish(self) -> None:
-        """Finish the bag."""
-        self._finish_file()
-        if self._folder and self._parts:
-            self._made.append(self.path / METADATA)
-            write_folder_metadata(self.path, self._parts, [*self._topics.values()])
-
-    def remove(self) -> None:
-        """Remove everything that was written."""
-        if self._file is not None:
-            self._file.abandon()
-        for path in reversed(self._made):
-            path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
-
-    def _new_file(self, info: Metadata | None) -> BagFile:
-        if not self._parts:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            if self._folder:
-                self.path.mkdir()
-                self._made.append(self.path)
-        path = self.path / f"{self.path.name}_{len(self._parts)}.mcap" if self._folder else self.path
-        file = BagFile(path, 0, {info.name: info.metadata} if info else {})
-        self._made.append(path)
-        return file
-
-    def _finish_file(self) -> None:
-        if self._file is not None:
-            self._file.finish()
-            self._parts.append(self._file.part)
-            self._file = None
+    return saved, sum(damage.place < damage.end < mcap.size for damage in damages)
 
 
 def _read_back(path: Path, losses: list[Loss]) -> tuple[int, int, float]:
