@@ -5,15 +5,17 @@ export OMP_NUM_THREADS ?= 1
 .PHONY: help setup demo test check search lint validation gallery bench clean distclean
 
 help:
-	@echo "make demo    set up all that is missing, simulate the damaged wheel, show picture and table"
-	@echo "make test    set up all that is missing, run all tests"
-	@echo "make check   lint, types and the fast tests"
-	@echo "make search  the property tests alone, with many random examples"
+	@echo "make demo        set up if needed, simulate the damaged wheel, show a picture and a table"
+	@echo "make setup       set up .venv: ROS 2 Jazzy, the messages and the package"
+	@echo "make check       run lint, types and the fast tests: under a minute"
+	@echo "make test        set up if needed, run all tests"
+	@echo "make lint        set up if needed, run ruff and mypy"
+	@echo "make search      run the property tests with thousands of random examples"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
-	@echo "make gallery     draw all shipped scenarios and what they do for docs/gallery.md: ten minutes"
-	@echo "make bench   measure speed and memory, print tables, rewrite docs/performance.md: a quarter of an hour"
-	@echo "make setup   set up only: .venv with ROS 2 Jazzy, messages and package"
-	@echo "make clean   remove build products; make distclean removes .venv too"
+	@echo "make gallery     redraw docs/gallery.md with every shipped scenario: ten minutes"
+	@echo "make bench       measure speed and memory, rewrite docs/performance.md: a quarter of an hour"
+	@echo "make clean       remove build products and caches of tools"
+	@echo "make distclean   remove .venv as well"
 
 setup:
 	@$(PYTHON) tools/setup_env.py

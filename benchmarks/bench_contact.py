@@ -9,7 +9,7 @@ from half_spaces import SOLVERS, Problem, sphere, wheel_on_rail
 
 from wheelset_track_sim.contact.solutions import force_at
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 
 EDGE = Breakout("wheel_1", 0.030, 0.024, 0.002)

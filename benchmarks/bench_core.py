@@ -11,7 +11,7 @@ from conftest import Measure, group
 
 from wheelset_track_sim.cli.run import CHUNK, run
 from wheelset_track_sim.samples.block import SampleBlock
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 

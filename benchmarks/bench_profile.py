@@ -15,7 +15,7 @@ from wheelset_track_sim.contact.solutions import approach_for_force
 from wheelset_track_sim.runtime.one_core import one_core
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import Simulator

@@ -11,7 +11,7 @@ from conftest import Measure, group
 from plain import Plain
 
 from wheelset_track_sim.contact.solutions import approach_for_force, solver
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import SETTLING

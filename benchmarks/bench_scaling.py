@@ -14,7 +14,7 @@ from wheelset_track_sim.cli.run import CHUNK
 from wheelset_track_sim.dynamics.causal import causal_model
 from wheelset_track_sim.dynamics.running_wheelset import truncated
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
+from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.balance import ORDER, MovingTrack, balanced

@@ -13,7 +13,7 @@ from conftest import Measure
 
 FIRST_CHUNK = """
 import time
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 assert len(Simulator(load_scenario("damage_wheel_1")).advance(1389)) == 1389
 """

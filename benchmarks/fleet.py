@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from wheelset_track_sim.cli.run import CHUNK
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.fleet import Fleet
 
 SCENARIO = "damage_wheel_1"

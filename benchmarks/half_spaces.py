@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelset_track_sim.contact import ContactGeometry, Pair, build_contact_law, solve_patch
+from wheelset_track_sim.contact import ContactGeometry, ProfilePair, build_contact_law, solve_patch
 from wheelset_track_sim.contact.active_set_kernels import CONVERGED, solve_active_set
 from wheelset_track_sim.contact.law_kernels import ContactLaw, total_separation
 from wheelset_track_sim.contact.profiles import RailHead
@@ -43,7 +43,7 @@ def wheel_on_rail(dx: float, dy: float, depth: float, defect: Breakout | None, t
 
 def sphere(dx: float, depth: float) -> Problem:
     """Hertz: a wheel whose tread meets a crown of about its own radius."""
-    geometry = ContactGeometry(pairs=(Pair(rail=RailHead((ContactGeometry().wheel_radius,), (0.036,))),) * 2)
+    geometry = ContactGeometry(pairs=(ProfilePair(rail=RailHead((ContactGeometry().wheel_radius,), (0.036,))),) * 2)
     return _problem(geometry, dx, dx, depth, [], 0)
 
 

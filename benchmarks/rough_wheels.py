@@ -17,7 +17,7 @@ from wheelset_track_sim.contact.law import build_contact_law
 from wheelset_track_sim.contact.law_kernels import ContactLaw, solve_contact
 from wheelset_track_sim.contact.solutions import approach_for_force
 from wheelset_track_sim.irregularities import Roughness
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.changes import Condition, Revision
 from wheelset_track_sim.simulation.coupled import Coupled
 from wheelset_track_sim.simulation.models import Models, load_models

@@ -1,6 +1,7 @@
 """Conventions of ROS: manifests by REP-149, messages with units by REP-103, what REP-2004 is claimed."""
 
 import ast
+import csv
 import re
 import sys
 import xml.etree.ElementTree as ET
@@ -38,14 +39,9 @@ PATTERNS = {
     "maintainer": r".+",
     "license": r"Apache-2\.0",
 }
-PACKAGE_OF = {
-    "ruamel": "python3-ruamel.yaml",
-    "threadpoolctl": "python3-sklearn",
-    "mcap": "python3-mcap-pip",
-    "rosbags": "python3-rosbags-pip",
-    "zstandard": "python3-rosbags-pip",
-}
-"""Keys of rosdep for modules that are called otherwise, or come with another."""
+with (ROOT / "tests" / "data" / "rosdep_keys.csv").open() as file:
+    KEYS = {row["key"]: row for row in csv.DictReader(line for line in file if not line.startswith("#"))}
+"""What rosdep installs for each key, as it was looked up in rosdistro."""
 UNITS = r"(N|Pa|m|s|rad|m/s|m/s\^2)"
 
 
@@ -105,16 +101,26 @@ def imported():
     return found - set(sys.stdlib_module_names) - {"wheelset_track_sim"}
 
 
+def test_keys_of_the_manifests_are_those_that_rosdep_resolves():
+    named = {item.text for path in MANIFESTS for item in ET.parse(path).getroot() if item.tag in DEPENDENCIES}
+    assert named - {ET.parse(path).getroot().findtext("name") for path in MANIFESTS} == set(KEYS)
+    for key, row in KEYS.items():
+        assert row["from"] in {"apt", "pip", "ros"}, key
+        assert row["from"] != "ros" or row["installs"] == f"ros-jazzy-{key.replace('_', '-')}", key
+
+
 def test_every_import_has_its_dependency_and_every_dependency_is_imported():
-    root = ET.parse(ROOT / "package.xml").getroot()
-    listed = {item.text for item in root.findall("exec_depend")}
+    listed = {item.text for item in ET.parse(ROOT / "package.xml").getroot().findall("exec_depend")}
     config = ConfigParser()
     config.read(ROOT / "setup.cfg")
     extras = config["options.extras_require"]
     optional = set(re.findall(r"^[\w.-]+", "\n".join(extras[name] for name in ("prometheus", "report", "dask")), re.M))
-    keys = {PACKAGE_OF.get(name, name) for name in imported() - optional}
-    keys = {key if key in listed else f"python3-{key}" for key in keys}
-    assert keys == listed
+    provided = {module for key in listed - {"wheelset_track_msgs"} for module in KEYS[key]["imports"].split()}
+    assert imported() - optional == provided | {"wheelset_track_msgs"}
+    required = re.findall(r"^[\w-]+", config["options"]["install_requires"], re.MULTILINE)
+    assert set(required) == {
+        m for key in listed & set(KEYS) if KEYS[key]["from"] != "ros" for m in KEYS[key]["imports"].split()
+    }
 
 
 def fields(path):

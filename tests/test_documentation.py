@@ -8,7 +8,8 @@ import pytest
 
 from support.paths import ROOT
 from wheelset_track_sim.inputs.yaml12 import parse
-from wheelset_track_sim.scenario.scenario import BAND, LINE, Scenario, load_scenario, scenario_from
+from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
+from wheelset_track_sim.scenario.scenario import BAND, LINE
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

@@ -1,5 +1,6 @@
 """What is installed is complete: by pip, by colcon, and as the set-up script leaves it."""
 
+import email
 import os
 import re
 import shutil
@@ -15,6 +16,8 @@ import pytest
 import wheelset_track_sim
 from support.paths import ROOT
 
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+SETUP = (ROOT / "tools" / "setup_env.py").read_text(encoding="utf-8")
 SCENARIOS = {path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml")}
 MESSAGES = {path.name for path in (ROOT / "msg_defs").glob("*/*") if path.suffix in {".msg", ".srv"}}
 REPORT = {path.name for path in (ROOT / "wheelset_track_sim" / "report").iterdir() if path.suffix in {".css", ".js"}}
@@ -48,18 +51,34 @@ def test_versions_and_licences_agree():
     for folder in (ROOT, ROOT / "msg_defs"):
         assert manifest(folder).findtext("version") == wheelset_track_sim.__version__
         assert manifest(folder).findtext("license") == "Apache-2.0"
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [wheelset_track_sim.__version__]
+    assert re.findall(r"^license: (.*)$", citation, re.MULTILINE) == ["Apache-2.0"]
     assert (ROOT / "resource" / manifest(ROOT).findtext("name")).exists()
 
 
-def test_rosdep_keys_cover_the_requirements():
-    keys = {entry.text for entry in manifest(ROOT).findall("exec_depend")}
+def test_the_newest_release_in_the_changelog_is_this_version():
+    headings = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    releases = [heading for heading in headings if heading != "Unreleased"]
+    assert headings[-len(releases) :] == releases, "what is not released is on top"
+    assert re.fullmatch(rf"{re.escape(wheelset_track_sim.__version__)} \(\d{{4}}-\d\d-\d\d\)", releases[0])
+    tag = f"v{wheelset_track_sim.__version__}"
+    assert run(".ci/release-notes", tag, cwd=ROOT).stdout.strip()
+    refused = run(".ci/release-notes", "v9.9.9", cwd=ROOT, ok=False)
+    assert (refused.returncode, refused.stdout) == (1, "")
+    assert refused.stderr == f"release-notes: the tag is v9.9.9, the version is {tag[1:]}: tag {tag}\n"
+
+
+def test_pythons_are_the_same_everywhere():
+    supported = set(re.findall(r"\((\d), (\d+)\)", re.search(r"^SUPPORTED = .*$", SETUP, re.MULTILINE)[0]))
+    versions = {".".join(pair) for pair in supported}
     config = ConfigParser()
     config.read(ROOT / "setup.cfg")
-    requirements = set(re.findall(r"^[\w.-]+", config["options"]["install_requires"], re.MULTILINE))
-    named = {re.sub(r"^python3-|-pip$", "", key) for key in keys}
-    brought = {"zstandard", "threadpoolctl"}  # by rosbags and sklearn
-    assert requirements - brought == named & requirements
-    assert {"python3-ruamel.yaml", "python3-sklearn", "rclpy", "wheelset_track_msgs"} <= keys
+    assert set(re.findall(r"Python :: (\d\.\d+)", config["metadata"]["classifiers"])) == versions
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+    assert set(re.findall(r"\d\.\d+", re.search(r"^ +python: \[(.*)\]$", workflow, re.MULTILINE)[1])) == versions
+    first, *_, last = sorted(versions, key=lambda version: int(version.partition(".")[2]))
+    assert f"Python {first} to {last}" in README
 
 
 def test_data_are_links_to_what_is_kept_at_the_top():
@@ -68,9 +87,41 @@ def test_data_are_links_to_what_is_kept_at_the_top():
         assert (data / name).readlink() == Path("../..", name)
 
 
+@pytest.fixture
+def unpacked(tree, tmp_path):
+    """Source distribution of the tree, unpacked."""
+    code = f"from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})"
+    run(sys.executable, "-c", code, cwd=tree)
+    [archive] = tmp_path.glob("wheelset_track_sim-*.tar.gz")
+    shutil.unpack_archive(archive, tmp_path / "unpacked", filter="data")
+    [folder] = (tmp_path / "unpacked").iterdir()
+    return folder
+
+
+def files(folder):
+    """Files below a folder; not those of linked folders."""
+    return {str(Path(place, name).relative_to(folder)) for place, _, names in os.walk(folder) for name in names}
+
+
 @pytest.mark.slow
-def test_wheel_holds_real_copies(tree, tmp_path):
-    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--quiet", "-w", str(tmp_path), str(tree), cwd=tmp_path)
+def test_source_distribution_holds_what_a_clone_holds(tree, unpacked):
+    clone = {name for name in files(tree) if not name.startswith((".git", "wheelset_track_sim.egg-info/"))}
+    assert clone - files(unpacked) == set()
+    for name in (
+        "tools/setup_env.py",
+        "requirements/ros-jazzy.txt",
+        "msg_defs/CMakeLists.txt",
+        "docs/method.md",
+        "Makefile",
+    ):
+        assert (unpacked / name).read_bytes() == (ROOT / name).read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("source", ["tree", "unpacked"])
+def test_wheel_holds_real_copies(source, tmp_path, request):
+    folder = request.getfixturevalue(source)
+    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "--quiet", "-w", str(tmp_path), str(folder), cwd=tmp_path)
     [wheel] = tmp_path.glob("wheelset_track_sim-*.whl")
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
@@ -78,9 +129,43 @@ def test_wheel_holds_real_copies(tree, tmp_path):
         assert scenario == (ROOT / "config" / "scenarios" / "undamaged.yaml").read_bytes()
     assert {name.split("/")[-1] for name in names if "/data/config/scenarios/" in name} == SCENARIOS
     assert {name.split("/")[-1] for name in names if "/data/msg_defs/" in name} == MESSAGES
-    sources = {str(path.relative_to(tree)) for path in (tree / "wheelset_track_sim").rglob("*.py")}
+    sources = {str(path.relative_to(ROOT)) for path in (ROOT / "wheelset_track_sim").rglob("*.py")}
     assert {name for name in names if name.startswith("wheelset_track_sim/") and name.endswith(".py")} == sources
     assert {"wheelset_track_sim/py.typed", *(f"wheelset_track_sim/report/{name}" for name in REPORT)} <= set(names)
+
+
+def metadata(tree, **env):
+    """Metadata of the package as a wheel of the tree would have them."""
+    code = "import os; from setuptools import build_meta; print(build_meta.prepare_metadata_for_build_wheel('made'))"
+    (tree / "made").mkdir(exist_ok=True)
+    name = run(sys.executable, "-c", code, cwd=tree, **env).stdout.split()[-1]
+    return email.message_from_string((tree / "made" / name / "METADATA").read_text(encoding="utf-8"))
+
+
+def test_description_has_no_link_that_needs_the_repository(tree):
+    found = metadata(tree, WHEELSET_TRACK_SIM_REPOSITORY="")
+    assert found["Requires-Python"] == ">=3.10"
+    assert found.get_all("Project-URL") is None
+    text = found.get_payload()
+    assert "docs/method.md says where" in text.replace("\n", " ")
+    assert re.findall(r"\]\((?!https?:)", text) == []
+    assert re.findall(r"\]\((https?:[^)]+)\)", text) == re.findall(r"\]\((https?:[^)]+)\)", README)
+
+
+def test_description_has_absolute_links_if_the_repository_is_known(tree):
+    home = "https://example.org/owner/name"
+    found = metadata(tree, WHEELSET_TRACK_SIM_REPOSITORY=home)
+    assert f"Source, {home}" in found.get_all("Project-URL")
+    links = re.findall(r"(!?)\[[^\]]*\]\(([^)]+)\)", found.get_payload())
+    relative = re.findall(r"(!?)\[[^\]]*\]\(([^)]+)\)", README)
+    assert len(links) == len(relative) > 5
+    for (image, link), (_, target) in zip(links, relative, strict=True):
+        if target.startswith("https:"):
+            assert link == target
+            continue
+        kind, name, path = link.removeprefix(f"{home}/").split("/", 2)
+        assert (kind, name) == ("raw" if image else "blob", "HEAD")
+        assert path == (f"README.md{target}" if target.startswith("#") else target)
 
 
 @pytest.mark.slow
@@ -106,7 +191,7 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
     assert {path.name for path in (installed / "data/config/scenarios").iterdir()} == SCENARIOS
     assert not any(path.is_symlink() for path in installed.rglob("*"))
     shutil.rmtree(tree / "config")  # what is installed stands alone
-    code = "from wheelset_track_sim.scenario.scenario import load_scenario as load; print(load('undamaged').name)"
+    code = "from wheelset_track_sim.scenario import load_scenario as load; print(load('undamaged').name)"
     program = [sys.executable, "-c", code]
     path = str(installed.parent)
     assert run(*program, cwd=tmp_path, PYTHONPATH=path).stdout.strip() == "undamaged"
@@ -117,6 +202,17 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
         2,
         ["wheelset-track-sim", " -x is not an argument of the node"],
     )
+
+
+def test_commands_of_the_readme_for_ros_are_those_of_the_script_that_runs_them():
+    [block] = re.findall(r"(?:^    .*\n)*^    rosdep install .*\n(?:^    .*\n)*", README, re.MULTILINE)
+    script = (ROOT / ".ci" / "ros2").read_text(encoding="utf-8").splitlines()
+    first, *commands = [line.partition(" #")[0].strip() for line in block.splitlines()]
+    [installed] = [line.split() for line in script if line.startswith("sudo apt-get install")]
+    assert set(first.removeprefix("sudo apt install ").split()) <= set(installed)
+    places = [next(n for n, line in enumerate(script) if line.startswith(command)) for command in commands]
+    assert len(places) == 7
+    assert places == sorted(places)
 
 
 def setup_env(tree, *extras, **env):

@@ -26,9 +26,10 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.shipped import table_text
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.wheelset.harmonic_elements import solid_mass
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, surface_radius, wheelset_mesh
 from wheelset_track_sim.wheelset.section_mesh import RESOLUTION
-from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset
 
 from .calculix import Result, Solid, frequencies_of, results_of, revolved
 

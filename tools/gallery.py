@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import SubFigure
 
 from wheelset_track_sim.report.figures import COLOURS
-from wheelset_track_sim.report.pictures.scenario import Row, description, rows_of, write_rows
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
+from wheelset_track_sim.report.pictures.scenario import PictureRow, description, rows_of, write_rows
+from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.supports import along
 
@@ -66,7 +66,7 @@ def draw(name: str) -> Path:
     return write_rows(PICTURES / f"{name}.png", name, description(scenario), rows)
 
 
-def response(scenario: Scenario) -> Row:
+def response(scenario: Scenario) -> PictureRow:
     """Contact forces and stresses around the place where a force deviates most from the static one."""
     simulator = Simulator(scenario)
     steps = round(min(length(scenario, simulator), LONGEST) / scenario.step_length)
@@ -96,7 +96,7 @@ def response(scenario: Scenario) -> Row:
         curves(left, forces / 1e3, ["wheel 1", "wheel 2"], "contact force (kN)")
         curves(right, stresses / 1e6, list(blocks[0].nodes), "principal stress (MPa)")
 
-    return Row(2.6, drawn, special=True)
+    return PictureRow(2.6, drawn, special=True)
 
 
 def length(scenario: Scenario, simulator: Simulator) -> float:

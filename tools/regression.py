@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -68,7 +68,7 @@ def arrays_of(root: Path, name: str, folder: Path) -> tuple[np.ndarray, np.ndarr
         check=True,
         stdout=subprocess.DEVNULL,
     )
-    recording = read(bag)
+    recording = read_bag(bag)
     return recording.forces, recording.stresses
 
 

@@ -1,7 +1,11 @@
-"""The family of errors that a caller can act on; everything else keeps its traceback."""
+"""The family of errors that a caller can act on, and warnings about input; everything else keeps its traceback."""
+
+from __future__ import annotations
+
+import warnings
 
 LONGEST = 2000
-"""Characters of a line that refuses input."""
+"""Characters of a line that refuses input, or warns of it."""
 
 
 class WheelsetTrackError(Exception):
@@ -16,9 +20,25 @@ class InputError(WheelsetTrackError, ValueError):
     """
 
     def __init__(self, message: str) -> None:
-        line = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
-        half = (LONGEST - 5) // 2
-        super().__init__(line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}")
+        super().__init__(_line(message))
+
+
+class InputWarning(UserWarning):
+    """Input that is used although it looks wrong: a line like that of InputError, with the remedy.
+
+    The command line prints it on standard error and goes on; ``--json`` lists it in ``"warnings"``.
+    """
+
+
+def warn(message: str) -> None:
+    """Issue an InputWarning: quantity, value, limit and remedy in one line."""
+    warnings.warn(_line(message), InputWarning, stacklevel=3)
+
+
+def _line(message: str) -> str:
+    line = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
+    half = (LONGEST - 5) // 2
+    return line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}"
 
 
 class ContactError(WheelsetTrackError):

@@ -20,7 +20,7 @@ from mcap.records import (
 from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
-from wheelset_track_sim.bags.mcap.writer import MAGIC, McapFile
+from wheelset_track_sim.bags.mcap.writer import MAGIC, McapWriter
 
 CHUNKS = [[(1, 50), (2, 40)], [(1, 60), (2, 60), (1, 55)], [(2, 90)]]
 """Channel and time of the messages of three chunks; times need not rise."""
@@ -32,7 +32,7 @@ def payload(chunk: int, number: int) -> bytes:
 
 def ours() -> bytes:
     stream = io.BytesIO()
-    file = McapFile(stream, "ros2", "test")
+    file = McapWriter(stream, "ros2", "test")
     file.add_metadata("about", {"é": "ü", "b": "2"})
     for name in ("one", "two"):
         file.add_channel(f"/{name}", "cdr", file.add_schema(f"p/msg/{name}", "ros2msg", b"float64 x"), {"k": name})
@@ -141,6 +141,6 @@ def test_checksums_cover_all_bytes() -> None:
 
 def test_without_messages_it_is_a_file_nevertheless() -> None:
     stream = io.BytesIO()
-    McapFile(stream, "ros2", "test").finish()
+    McapWriter(stream, "ros2", "test").finish()
     reader = make_reader(io.BytesIO(stream.getvalue()), validate_crcs=True)
     assert list(reader.iter_messages()) == []

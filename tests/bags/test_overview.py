@@ -3,31 +3,31 @@ import json
 
 import pytest
 
-from wheelset_track_sim.bags import BagWriter, read
-from wheelset_track_sim.bags.bag_copy import BagCopy
-from wheelset_track_sim.bags.inputs import Input
-from wheelset_track_sim.bags.mcap.records import Chunk
-from wheelset_track_sim.bags.mcap.source import McapSource
-from wheelset_track_sim.bags.overview import overview
-from wheelset_track_sim.bags.revisions import Difference, differences, revisions
+from wheelset_track_sim.bags import BagWriter, read_bag
+from wheelset_track_sim.bags.bag_file import BagFile
+from wheelset_track_sim.bags.mcap.reader import Chunk, McapReader
+from wheelset_track_sim.bags.overview import ChangedKey, changed_keys, overview, revisions_of
+from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import RecordingError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 
 def copied(path, *groups):
     """A bag of messages, each group of which is a chunk."""
-    copy = BagCopy(path)
+    file = BagFile(path, 0, {})
     for group in groups:
-        copy.write(group, None)
-    copy.finish()
+        for message in group:
+            file.add(message.topic, message.log_time, message.data)
+        file.flush()
+    file.finish()
     return path
 
 
 def stored(path):
     """Messages of a bag."""
     with path.open("rb") as stream:
-        source = McapSource(stream, path.name)
+        source = McapReader(stream, path.name, pytest.fail)
         return [message for chunk in source.scan() if isinstance(chunk, Chunk) for message in source.messages(chunk)]
 
 
@@ -45,7 +45,7 @@ def bag(tmp_path, run_info, run_blocks, make_state):
 
 
 def test_it_is_what_the_samples_say(bag, run_info):
-    found, recording = overview(bag), read(bag)
+    found, recording = overview(bag), read_bag(bag)
     assert (found.first_step, found.steps, found.start) == (0, len(recording), 0.0)
     assert found.duration == pytest.approx(recording.time[-1] + recording.step_period[-1], rel=1e-12)
     assert found.start_ns == recording.start_ns
@@ -60,15 +60,15 @@ def test_it_is_what_the_samples_say(bag, run_info):
     assert list(found.files) == ["run_0.mcap", "run_1.mcap"]
     assert found.complete
     (first, second) = found.revisions
-    assert (first.number, first.step, first.differences) == (0, 0, ())
+    assert (first.number, first.step, first.changed) == (0, 0, ())
     assert (second.number, second.step) == (1, 1390)
-    assert second.differences == (Difference("speed", 27.7777778, 1e3 / 36),)
+    assert second.changed == (ChangedKey("speed", 27.7777778, 1e3 / 36),)
 
 
 def test_a_bag_without_summaries_is_looked_through(bag, tmp_path):
     messages = [message for file in sorted(bag.glob("*.mcap")) for message in stored(file)]
     found = overview(
-        copied(tmp_path / "samples.mcap", [message for message in messages if "Summary" not in message.schema.name])
+        copied(tmp_path / "samples.mcap", [message for message in messages if "Summary" not in message.topic.type])
     )
     assert found.summary == overview(bag).summary
     assert found.steps == overview(bag).steps
@@ -89,7 +89,7 @@ def test_a_gap_is_told_once_with_summaries_or_without(tmp_path, run_info, run_bl
     with BagWriter(path, run_info, start_ns=0) as writer:
         for block in (run_blocks[0], run_blocks[2]):
             writer.write(block)
-    messages = [message for message in stored(path) if summaries or "Summary" not in message.schema.name]
+    messages = [message for message in stored(path) if summaries or "Summary" not in message.topic.type]
     found = overview(copied(tmp_path / "gap.mcap", messages))
     assert [str(loss) for loss in found.losses] == ["steps 1389 to 1389 are missing (3.6e-05 s)"]
     assert found.steps == 1389 + 700
@@ -99,14 +99,14 @@ def test_a_gap_is_told_once_with_summaries_or_without(tmp_path, run_info, run_bl
 def test_another_run_does_not_count_and_is_told(bag, tmp_path, summaries):
     """As when ``ros2 bag record`` goes on while the node is reset: the second run goes on where the first one ended."""
     runs = [*(stored(file) for file in sorted(bag.glob("*.mcap")))]
-    first, rest = ([m for m in run if summaries or "Summary" not in m.schema.name] for run in runs)
+    first, rest = ([m for m in run if summaries or "Summary" not in m.topic.type] for run in runs)
     path = copied(tmp_path / "twice.mcap", first, first, rest)
     again = "twice.mcap: steps from 0 on come again after step 1389: all that follows is left out"
     found = overview(path)
     assert (found.steps, found.first_step) == (1390, 0)
     assert [str(loss) for loss in found.losses] == [again]
     losses = []
-    assert len(read(path, lost=losses.append)) == 1390
+    assert len(read_bag(path, lost=losses.append)) == 1390
     assert [str(loss) for loss in losses] == [again]
 
 
@@ -122,11 +122,11 @@ def test_a_bag_of_two_wheelsets_is_refused(tmp_path, run_info, run_blocks, make_
     both = copied(tmp_path / "both.mcap", sorted(messages, key=lambda message: message.log_time))
     refusal = r"both.mcap holds 2 runs \(/wheelset_1/contact_forces, /wheelset_2/contact_forces\): record each"
     with pytest.raises(RecordingError, match=refusal):
-        read(both)
+        read_bag(both)
     content = both.read_bytes()
     both.write_bytes(content[: len(content) - 400])  # without its index
     with pytest.raises(RecordingError, match=refusal):
-        read(both, lost=[].append)
+        read_bag(both, lost=[].append)
     assert main(["info", str(both)]) == 1
     assert "both.mcap holds 2 runs" in capsys.readouterr().err
 
@@ -158,19 +158,19 @@ def test_what_is_no_bag(tmp_path, capsys):
 def test_differences_are_keys_of_scenarios():
     before = load_scenario("damage_wheel_1")
     after = load_scenario("damage_wheel_1", ["irregularities.0.h=0.001", "speed=30"])
-    assert differences(before.to_yaml(), after.to_yaml()) == (
-        Difference("speed", before.speed, 30),
-        Difference("irregularities.0.h", 0.002, 0.001),
+    assert changed_keys(before.to_yaml(), after.to_yaml()) == (
+        ChangedKey("speed", before.speed, 30),
+        ChangedKey("irregularities.0.h", 0.002, 0.001),
     )
-    assert differences(before.to_yaml(), before.to_yaml()) == ()
-    (removed,) = differences(before.to_yaml(), dataclasses.replace(before, irregularities=()).to_yaml())
+    assert changed_keys(before.to_yaml(), before.to_yaml()) == ()
+    (removed,) = changed_keys(before.to_yaml(), dataclasses.replace(before, irregularities=()).to_yaml())
     assert removed.key == "irregularities.0"
     assert removed.after is None
-    assert differences("a: 1", "a: [") == (Difference("scenario", "a: 1", "a: ["),)
+    assert changed_keys("a: 1", "a: [") == (ChangedKey("scenario", "a: 1", "a: ["),)
 
 
 def test_each_revision_once_in_their_order():
     told = [Input(1, 50, "a: 2"), Input(0, 0, "a: 1"), Input(1, 80, "a: 2"), Input(3, 90, "a: 2\nb: {c: 1}")]
-    found = revisions(told)
+    found = revisions_of(told)
     assert [(item.number, item.step) for item in found] == [(0, 0), (1, 50), (3, 90)]
-    assert [item.differences for item in found] == [(), (("a", 1, 2),), (("b", None, {"c": 1}),)]
+    assert [item.changed for item in found] == [(), (("a", 1, 2),), (("b", None, {"c": 1}),)]

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from wheelset_track_sim.contact import ContactGeometry, Pair, Points, RailHead, Straight
+from wheelset_track_sim.contact import ContactGeometry, Points, ProfilePair, RailHead, Straight
 from wheelset_track_sim.contact.geometry import section
 from wheelset_track_sim.errors import InputError
 
@@ -9,7 +9,7 @@ CONE = Straight(1 / 40)
 
 
 def both(*pair, **named):
-    return ContactGeometry(pairs=(Pair(*pair, **named),) * 2)
+    return ContactGeometry(pairs=(ProfilePair(*pair, **named),) * 2)
 
 
 def test_cone_on_an_upright_rail_touches_where_the_slopes_agree():
@@ -58,11 +58,11 @@ def test_steep_contacts_are_refused():
     ):
         both(Straight(0.3))
     with pytest.raises(InputError, match="wheel_2 touches its rail at an angle"):
-        ContactGeometry(pairs=(Pair(), Pair(Straight(-0.3))))
+        ContactGeometry(pairs=(ProfilePair(), ProfilePair(Straight(-0.3))))
     y = np.linspace(-0.04, 0.04, 161)
     narrow = Points(y, -(y**2) / 0.8)
     with pytest.raises(InputError, match="off its rail"):
-        Pair(narrow, shift=0.2)
+        ProfilePair(narrow, shift=0.2)
 
 
 def test_section_shows_both_profiles_touching():

@@ -7,7 +7,7 @@ from wheelset_track_sim.dynamics.causal import CausalModel, causal_model
 from wheelset_track_sim.dynamics.causal_kernels import advance, displacements, stresses
 from wheelset_track_sim.dynamics.running_wheelset import truncated
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from wheelset_track_sim.dynamics.stress_from_forces import stresses_from_forces
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import reduced_wheelset
-from wheelset_track_sim.wheelset.wheelset import load_wheelset
 
 
 @pytest.fixture(scope="module")

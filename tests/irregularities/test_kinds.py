@@ -13,7 +13,6 @@ from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.inputs.schema import plain
 from wheelset_track_sim.inputs.yaml12 import dump
 from wheelset_track_sim.irregularities import (
-    AnyIrregularity,
     Breakout,
     Cluster,
     Corrugation,
@@ -30,13 +29,14 @@ from wheelset_track_sim.irregularities import (
     rail_heights,
     tread_heights,
 )
+from wheelset_track_sim.irregularities.kinds import OWN
 from wheelset_track_sim.irregularities.listing import listed
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 
 N_C, DX = 2713, 1e-3
 RADIUS = N_C * DX / (2 * math.pi)
 Y = np.arange(-10, 11) * 1e-3
-KINDS = {kind.type: kind for kind in AnyIrregularity.__args__}
+KINDS = OWN
 
 
 @pytest.fixture(scope="module")

@@ -2,10 +2,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from hypothesis import given
 
-from wheelset_track_sim.errors import InputError
+from support.written import forms
+from wheelset_track_sim.errors import InputError, InputWarning
 from wheelset_track_sim.irregularities import Profile, rail_heights, tread_heights
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 N_C, DX = 2713, 1e-3
 Y = np.array([-0.004, 0.0, 0.003])
@@ -57,7 +59,9 @@ def test_an_angle_turns_it_and_units_are_those_given(tmp_path):
 @pytest.mark.parametrize("length", [1.4, 2713.0])
 def test_a_length_that_is_no_turn_of_the_wheel_is_refused(tmp_path, length):
     along = length * np.arange(1000) / 1000
-    profile = on_wheel(csv(tmp_path / "tread.csv", zip(along, 1e-5 * np.cos(along), strict=True)), along="m")
+    profile = on_wheel(
+        csv(tmp_path / "tread.csv", zip(along, waves(2 * np.pi * along / length, 1), strict=True)), along="m"
+    )
     words = rf"tread.csv is {length:.4g} m long, and a turn of wheel_1 2.713 m: give one whole turn, within 20%"
     with pytest.raises(InputError, match=words):
         heights_of(profile)
@@ -74,6 +78,83 @@ def test_numpy_files_and_tables_across(tmp_path):
     assert heights_of(profile) == pytest.approx(expected, abs=1e-13)
     text = csv(tmp_path / "tread.csv", table[1:], ",".join(["angle", *map(str, across)]))
     assert heights_of(on_wheel(text)) == pytest.approx(heights_of(profile), abs=1e-15)
+
+
+ANGLE = np.arange(0.0, 360.0, 1.0)
+TREADS = np.column_stack([ANGLE, 1e6 * waves(np.radians(ANGLE), 3), 1e6 * waves(np.radians(ANGLE), 7)]).round(4)
+
+
+@given(form=forms())
+def test_every_form_of_table_is_the_same_tread(tmp_path_factory, form):
+    names, units = ("angle", "wheel_1", "wheel_2"), ("deg", "um", "um")
+    path = form.write(tmp_path_factory.getbasetemp() / "tread.dat", names, units, TREADS.tolist())
+    for number in (1, 2):
+        profile = Profile(f"wheel_{number}", str(path))  # the unit and the column are in the headings
+        assert (profile.along, profile.height) == ("deg", "um")
+        assert np.array_equal(profile.samples.values[:, 0], TREADS[:, number] * 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("heading", "options", "column"),
+    [
+        ("angle_deg,wheel_1_um,wheel_2_um", {}, 1),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"on": "wheel_2"}, 2),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"column": "wheel_2"}, 2),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"column": "wheel_2_um"}, 2),
+        ("angle_deg,links_um,rechts_um", {"column": "rechts"}, 2),
+        ("angle_deg,links_um,rechts_um", {"column": "2"}, 1),
+        ("angle,links,rechts", {"column": "links", "along": "deg", "height": "um"}, 1),
+        ("", {"column": "3", "along": "deg", "height": "um"}, 2),
+        ("angle_deg,links_um,rechts_um", {}, r"has angle \[deg\], links \[um\], rechts \[um\]: give column"),
+        ("angle,wheel_1,wheel_2", {}, "'angle' has no unit: give along: rad, deg, m or mm, or write it"),
+        ("angle_deg,wheel_1,wheel_2", {}, "'wheel_1' has no unit: give height: m, mm or um"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"height": "mm"}, r"'wheel_1 \[um\]' is in um, and mm is given"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"along": "m"}, r"unit of 'angle \[deg\]' is no length"),
+        ("angle_deg,wheel_1_kN,wheel_2_um", {}, r"unit of 'wheel_1 \[kN\]' is no length"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"column": "wheel_3"}, "has no column 'wheel_3' for the heights"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"column": "angle"}, "holds the positions along: give that of the heights"),
+        ("", {"along": "deg", "height": "um"}, "has column 1, column 2, column 3: give column"),
+    ],
+)
+def test_named_columns_decide_and_what_is_not_named_is_asked_for(tmp_path, heading, options, column):
+    """F2: angle, wheel_1, wheel_2 were read as a table over y."""
+    path = tmp_path / "tread.csv"
+    path.write_text("\n".join([heading, *(",".join(map(repr, row)) for row in TREADS.tolist())]))
+    given = {"on": "wheel_1", "file": str(path)} | options
+    if isinstance(column, str):
+        with pytest.raises(InputError, match=column):
+            Profile(**given)
+    else:
+        assert np.array_equal(Profile(**given).samples.values[:, 0], TREADS[:, column] * 1e-6)
+
+
+def test_columns_named_by_positions_are_a_table_over_them(tmp_path):
+    for name, corner in (("text.csv", "angle_deg,-5,0,5"), ("comma.csv", "angle_deg;-5,0;0,0;5,0")):
+        mark = ";" if ";" in corner else ","
+        rows = [mark.join([repr(a), repr(h), repr(2 * h), repr(3 * h)]) for a, h, _ in TREADS.tolist()]
+        (tmp_path / name).write_text(
+            "\n".join([corner, *(row.replace(".", ",") if mark == ";" else row for row in rows)])
+        )
+        found = Profile("wheel_1", str(tmp_path / name), height="um").samples
+        assert found.across.tolist() == [-0.005, 0.0, 0.005]
+        assert np.array_equal(found.values[:, 2], (3 * TREADS[:, 1]) * 1e-6)
+        with pytest.raises(InputError, match="one column for each position across: give height: m, mm or um"):
+            Profile("wheel_1", str(tmp_path / name))
+
+
+def test_other_units_become_metres(tmp_path):
+    (tmp_path / "rail.csv").write_text(
+        "position [km],height [cm]\n" + "".join(f"{k / 1e6!r},{k % 7}\n" for k in range(50))
+    )
+    profile = Profile("rail_1", str(tmp_path / "rail.csv"), ramp=0.01)
+    assert (profile.along, profile.height) == ("m", "m")
+    np.testing.assert_allclose(profile.samples.along, np.arange(50) * 1e-3)
+    np.testing.assert_allclose(profile.samples.values[:, 0], np.arange(50) % 7 * 1e-2)
+
+
+def test_heights_in_another_unit_are_warned_of(tmp_path):
+    with pytest.warns(InputWarning, match=r"has heights within 2e-08 m, less than any surface: check the unit"):
+        on_wheel(csv(tmp_path / "tread.csv", TREADS[:, :2] * [1.0, 1e-3]), along="deg", height="um")
 
 
 def test_gaps_are_refused_or_filled_as_told(tmp_path):
@@ -121,16 +202,16 @@ def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):
     (tmp_path / "ragged.csv").write_text("1,2\n1,2,3\n")
     (tmp_path / "broken.npy").write_bytes(b"no array")
     np.save(tmp_path / "complex.npy", np.zeros((9, 2), complex))
-    np.save(tmp_path / "large.npy", np.zeros((200_001, 1)))
+    np.save(tmp_path / "large.npy", np.zeros((100_001, 2)))
     twice = csv(tmp_path / "twice.csv", zip(np.repeat(angle, 2), np.repeat(angle, 2), strict=True))
     for options, words in (
         ({"file": str(tmp_path / "none.csv")}, "cannot be read"),
         ({"file": str(tmp_path / "binary.csv")}, "is not text"),
-        ({"file": str(tmp_path / "words.csv")}, "row 3: give numbers"),
-        ({"file": str(tmp_path / "ragged.csv")}, "3 cells in row 2"),
+        ({"file": str(tmp_path / "words.csv")}, "line 3: 'x' is not a number"),
+        ({"file": str(tmp_path / "ragged.csv")}, "line 2 has 3 cells"),
         ({"file": str(tmp_path / "broken.npy")}, "is not a NumPy file"),
-        ({"file": str(tmp_path / "complex.npy")}, "no array of real numbers"),
-        ({"file": str(tmp_path / "large.npy")}, "200000 numbers at most"),
+        ({"file": str(tmp_path / "complex.npy")}, "complex128: give real numbers"),
+        ({"file": str(tmp_path / "large.npy")}, "holds 200002 numbers: give 200000 at most"),
         ({"file": twice}, "two samples at"),
         ({"along": "inch"}, "along = 'inch' is not a known unit"),
         ({"on": "rail_1"}, "along = rad is not of rails"),

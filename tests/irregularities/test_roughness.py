@@ -1,7 +1,12 @@
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
-from wheelset_track_sim.errors import InputError
+from support.written import forms
+from wheelset_track_sim.errors import InputError, InputWarning
 from wheelset_track_sim.irregularities import Roughness, rail_heights, tread_heights
 from wheelset_track_sim.irregularities.roughness import LIMIT_LEVELS, LIMIT_WAVELENGTHS
 
@@ -11,7 +16,8 @@ TABLE = ((0.5, 20.0), (0.1, 5.0), (0.02, -12.0))
 
 @pytest.mark.parametrize("table", [(), TABLE], ids=["ISO 3095", "table"])
 def test_third_octaves_have_their_levels(table):
-    rough = Roughness("rail_1", seed=3, level=6.0, spectrum=table)
+    with pytest.warns(InputWarning, match="used from 0.005 to 0.02 m") if table else nullcontext():
+        rough = Roughness("rail_1", seed=3, level=6.0, spectrum=table)
     known = np.array(sorted(table or zip(LIMIT_WAVELENGTHS, LIMIT_LEVELS, strict=True)))
     line = rough.field(30_000, DX, np.zeros(1))[:, 0]
     power = 2 * np.abs(np.fft.rfft(line) / len(line)) ** 2
@@ -79,3 +85,77 @@ def test_waves_that_steps_cannot_hold_are_refused():
         Roughness("rail_1").field(1000, 0.004, np.zeros(1))
     with pytest.raises(InputError, match="no wave between"):
         Roughness("rail_1", shortest=0.03, longest=0.0301).field(100, DX, np.zeros(1))
+
+
+LEVELS = ((0.4, 17.1), (0.1, 5.0), (0.0315, -5.0), (0.00315, -11.0))
+
+
+@given(form=forms(), unit=st.sampled_from(["m", "cm", "mm"]))
+def test_a_file_of_any_form_and_unit_is_the_spectrum(tmp_path_factory, form, unit):
+    size = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}[unit]
+    rows = [(float(f"{wavelength / size:.12g}"), level) for wavelength, level in LEVELS]
+    path = form.write(tmp_path_factory.getbasetemp() / "spectrum.txt", ("wavelength", "level"), (unit, "dB"), rows)
+    assert Roughness("rail_1", file=str(path)).spectrum == LEVELS
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("wavelength,level\n0.1,3\n0.01,4\n", "'wavelength' has no unit"),
+        ("wavelength [m],level [um]\n0.1,3\n0.01,4\n", r"unit of 'level \[um\]' is no level: give dB"),
+        ("wavelength [m],a,b\n0.1,3,1\n0.01,4,1\n", r"has wavelength \[m\], a, b: name the columns wavelength"),
+        ("wavelength [deg],level\n0.1,3\n0.01,4\n", "is no length"),
+        ("wavelength [km],level\n0.1,3\n0.01,4\n", r"spectrum\.0\.0 = 100 m is out of range"),
+    ],
+)
+def test_files_that_are_no_spectrum_are_refused(tmp_path, text, words):
+    (tmp_path / "spectrum.csv").write_text(text)
+    with pytest.raises(InputError, match=words):
+        Roughness("rail_1", file=str(tmp_path / "spectrum.csv"))
+
+
+@given(low=st.floats(0.0005, 20.0), high=st.floats(0.0005, 20.0))
+def test_a_band_that_a_spectrum_does_not_cover_is_refused_or_warned_of(low, high):
+    """F9: wavelengths in cm were taken for m, and the band got the last level all along."""
+    low, high = sorted((low, high))
+    assume(high > 1.01 * low)
+    first, last = max(0.005, low / 1.26), min(0.5, high * 1.26)
+    covered = max(0.0, np.log(last / first) / np.log(100.0))
+    assume(abs(covered - 0.5) > 1e-6)
+    assume(abs(low - 0.0063) > 1e-6)
+    assume(abs(high - 0.5 / 1.26) > 1e-6)
+    if covered < 0.5:
+        told = pytest.raises(InputError, match=r"spectrum covers wavelengths from .* and roughness is made from")
+    elif low > 0.0063 or high < 0.5 / 1.26:
+        told = pytest.warns(InputWarning, match="its end levels are used from")
+    else:
+        told = nullcontext()
+    with told:
+        Roughness("rail_1", spectrum=((high, -10.0), (low, -30.0)))
+
+
+def test_wavelengths_in_cm_are_recognised():
+    with pytest.raises(
+        InputError, match=r"covers wavelengths from 0.315 to 10 m, .* give wavelengths in m, if these are in cm"
+    ):
+        Roughness("rail_1", spectrum=((10, 14.0), (3.15, 5.0), (0.315, -1.0)))
+
+
+@pytest.mark.parametrize(
+    ("spectrum", "missing"),
+    [
+        (((0.5, 3.0), (0.02, 2.0)), "0.005 to 0.02 m,"),
+        (((0.1, 3.0), (0.005, 2.0)), "0.1 to 0.5 m,"),
+        (((0.2, 3.0), (0.01, 2.0)), "0.005 to 0.01 m and 0.2 to 0.5 m,"),
+    ],
+)
+def test_what_is_missing_is_warned_of(spectrum, missing):
+    with pytest.warns(InputWarning, match=f"its end levels are used from {missing}"):
+        Roughness("rail_1", spectrum=spectrum)
+
+
+def test_levels_of_no_surface_are_warned_of():
+    with pytest.warns(
+        InputWarning, match=r"spectrum has 40 dB re 1 um at a wavelength of 0\.005 m, which is 0\.02 of it"
+    ):
+        Roughness("rail_1", spectrum=((0.5, 40.0), (0.005, 40.0)))

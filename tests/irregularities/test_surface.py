@@ -74,6 +74,7 @@ def test_more_irregular_rail_than_can_be_stored_is_refused():
 
 @dataclass(frozen=True)
 class Ramp:
+    type = "ramp"
     on: str = "wheel_1"
     length: int = 10
     value: float = 1e-6

@@ -4,11 +4,11 @@ import os
 
 import pytest
 
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.messages import chunk_messages
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.live.recorder import LONGEST_NAME, Recorder, name_now, path_below
-from wheelset_track_sim.monitoring.status import Level
+from wheelset_track_sim.monitoring.status import Level, recording_status
 
 
 @pytest.fixture
@@ -97,28 +97,30 @@ def begin(recorder, path):
 
 def test_one_bag_at_a_time(recorder, tmp_path, run_blocks):
     assert recorder.stop().result() == ""
-    for refused in (recorder.split, recorder.snapshot):
-        with pytest.raises(InputError, match="nothing is being recorded"):
-            refused()
+    with pytest.raises(InputError, match="nothing is being recorded"):
+        _ = recorder.bag
     begin(recorder, tmp_path / "run")
     with pytest.raises(InputError, match=f"{tmp_path / 'run'} is being recorded: stop it first"):
         begin(recorder, tmp_path / "other")
     assert not (tmp_path / "other").exists()
     recorder.write(chunk_messages(run_blocks[0], 0))
-    assert recorder.split().result() == tmp_path / "run" / "run_1.mcap"
+    assert recorder.bag.split().result() == tmp_path / "run" / "run_1.mcap"
     recorder.write(chunk_messages(run_blocks[1], 0))
     assert recorder.path == recorder.stop().result() == str(tmp_path / "run")
     assert recorder.path == ""
-    assert len(read(tmp_path / "run")) == 1390
+    assert len(read_bag(tmp_path / "run")) == 1390
     with pytest.raises(InputError, match="exists already"):
         begin(recorder, tmp_path / "run")
     assert recorder.path == ""
-    assert recorder.status.level == Level.ERROR
-    assert recorder.status.message.startswith(f"not begun: {tmp_path / 'run'} exists already")
+    assert recording_status(recorder.figures).level == Level.ERROR
+    assert recording_status(recorder.figures).message.startswith(f"not begun: {tmp_path / 'run'} exists already")
     begin(recorder, tmp_path / "other")
-    assert (recorder.status.level, recorder.status.message) == (Level.OK, f"to {tmp_path / 'other'}")
+    assert (recording_status(recorder.figures).level, recording_status(recorder.figures).message) == (
+        Level.OK,
+        f"to {tmp_path / 'other'}",
+    )
     recorder.stop().result()
-    assert recorder.status.message == "none"
+    assert recording_status(recorder.figures).message == "none"
 
 
 def test_of_two_that_begin_at_once_one_is_taken(recorder, tmp_path, run_blocks):
@@ -128,7 +130,7 @@ def test_of_two_that_begin_at_once_one_is_taken(recorder, tmp_path, run_blocks):
         recorder.take(second)
     recorder.write(chunk_messages(run_blocks[0], 0))
     recorder.stop().result()
-    assert len(read(tmp_path / "first")) == len(run_blocks[0])
+    assert len(read_bag(tmp_path / "first")) == len(run_blocks[0])
 
 
 def test_a_full_disk_ends_the_recording_and_another_can_begin(recorder, told, tmp_path, run_blocks):
@@ -138,18 +140,18 @@ def test_a_full_disk_ends_the_recording_and_another_can_begin(recorder, told, tm
         os.dup2(full.fileno(), recorder._bag._writer._file._stream.fileno())
     recorder.write(chunk_messages(run_blocks[0], 0))  # is still in memory
     with pytest.raises(RecordingError, match="No space left"):
-        recorder.split().result()
+        recorder.bag.split().result()
     assert recorder.path == ""
     assert "No space left" in str(recorder.lost)
     [line] = told
     assert line == f"recording ends here: {recorder.lost}"
-    assert recorder.status.level == Level.ERROR
+    assert recording_status(recorder.figures).level == Level.ERROR
     begin(recorder, tmp_path / "again")
     assert recorder.lost is None
-    assert recorder.status.message == f"to {tmp_path / 'again'}"
+    assert recording_status(recorder.figures).message == f"to {tmp_path / 'again'}"
     recorder.write(chunk_messages(run_blocks[0], 0))
     recorder.stop().result()
-    assert len(read(tmp_path / "again")) == len(run_blocks[0])
+    assert len(read_bag(tmp_path / "again")) == len(run_blocks[0])
 
 
 @pytest.mark.parametrize("name", ["run{}", "run{}.mcap"])

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
-from wheelset_track_sim.live.watch import Seen
 from wheelset_track_sim.monitoring.limits import Limits
 from wheelset_track_sim.monitoring.monitor import Monitor
 from wheelset_track_sim.monitoring.status import Level
@@ -43,7 +43,7 @@ def push(monitor, force=STATIC, stress=60e6, timing=ON_TIME, turn=NO_TURN, impac
     stresses = np.zeros((100, 2, 6))
     stresses[50, :, 1] = stress, stress / 2
     block = SampleBlock(0, 0.0, 1e-3, 1.0, 0.0, 0, forces, stresses, ("A1", "B1"))
-    return monitor.push(block, summarise(block), Seen(list(impacts), turn), timing, STATIC)
+    return monitor.push(block, summarise(block), Events(list(impacts), turn), timing, STATIC)
 
 
 def levels(statuses):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
-from wheelset_track_sim.live.watch import Seen
 from wheelset_track_sim.monitoring.prometheus import Endpoint, Metrics
 from wheelset_track_sim.monitoring.status import Level, Status
 from wheelset_track_sim.samples.block import SampleBlock
@@ -62,7 +62,7 @@ def test_what_is_served_is_what_was_pushed(metrics, endpoint):
     impact = Impact(0, 1, 0.0, 20.0, 0.0, 0, 0.0, 3e5, 98e3, 0.0, 0.0, 2e5)
     for first, turns in ((0, ()), (100, (turn(1, 290e3), turn(2, 120e3)))):
         item = block(first)
-        metrics.push(item, summarise(item), Seen([impact], turn(2, 120e3), turns), Timing(2.5, 0.25))
+        metrics.push(item, summarise(item), Events([impact], turn(2, 120e3), turns), Timing(2.5, 0.25))
     metrics.set_levels([Status("wheel_1", Level.WARN, ""), Status("stress A1", Level.OK, "")])
     found = scraped(endpoint)
     assert found["wheelset_contact_force_peak_newtons", "wheel_1"] == 120e3
@@ -87,7 +87,7 @@ def test_what_is_served_is_what_was_pushed(metrics, endpoint):
 def test_two_runs_have_metrics_of_their_own(metrics, endpoint):
     other = Metrics()
     item = block()
-    other.push(item, summarise(item), Seen([], turn(0, 1.0)), Timing(1.0, 0.0))
+    other.push(item, summarise(item), Events([], turn(0, 1.0)), Timing(1.0, 0.0))
     assert scraped(endpoint)["wheelset_steps_total",] == 0.0
 
 

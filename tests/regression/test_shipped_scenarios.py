@@ -5,7 +5,7 @@ import pytest
 
 from support.shipped_runs import numbers_of, reference
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 SAME = 1e-6
 """Share of the static load, and of the largest stress: compilers and processors round differently, and no more."""

@@ -3,7 +3,7 @@ import pytest
 
 from wheelset_track_sim.contact import HertzContact
 from wheelset_track_sim.report.contact_map import contact_map
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 
 
 def test_the_pressure_bears_the_recorded_force():

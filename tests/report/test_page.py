@@ -12,7 +12,7 @@ import pytest
 from wheelset_track_sim.bags import BagWriter
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.report.whole_file import write_whole
+from wheelset_track_sim.report.files import write_whole
 
 
 class Page(HTMLParser):

@@ -6,20 +6,19 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from wheelset_track_sim.report.closeups import Closeups
 from wheelset_track_sim.report.envelope import Bins, Envelope, drawn
-from wheelset_track_sim.report.samples import Samples
+from wheelset_track_sim.report.samples import Closeups, SampleSeries
 from wheelset_track_sim.report.spectrum import Welch
 
 RNG = np.random.default_rng(5)
 
 
-def samples(first: int, count: int, columns: int = 3) -> Samples:
+def samples(first: int, count: int, columns: int = 3) -> SampleSeries:
     time = (first + np.arange(count)) * 1e-4
-    return Samples(first, time, 10 * time, RNG.normal(size=(count, columns)))
+    return SampleSeries(first, time, 10 * time, RNG.normal(size=(count, columns)))
 
 
-def cut(whole: Samples, lengths):
+def cut(whole: SampleSeries, lengths):
     first = whole.first_step
     while first < whole.end:
         length = min(next(lengths), whole.end - first)

@@ -283,6 +283,7 @@ def stop_signal(request):
 def short_bag(tmp_path, run_info, run_blocks, make_state):
     """A bag with a message on each topic of a run."""
     from wheelset_track_sim.bags import BagWriter
+    from wheelset_track_sim.bags.messages import impact_message
     from wheelset_track_sim.samples.impacts import Impact
 
     path = tmp_path / "short.mcap"
@@ -291,7 +292,7 @@ def short_bag(tmp_path, run_info, run_blocks, make_state):
         for block in run_blocks:
             writer.write(block)
         numbers = dict.fromkeys(Impact.__dataclass_fields__, 1.0) | {"step": 9, "revision": 0, "wheel": 0}
-        writer.write_impacts([Impact(**numbers)])
+        writer.write_messages([impact_message(Impact(**numbers), writer.start_ns)])
     return path
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.paths import ROOT
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.errors import ContactError, InputError
 
 pytestmark = pytest.mark.ros
@@ -91,12 +91,12 @@ def test_each_has_the_bits_of_a_node_alone(start, tmp_path):
     for name, values in DAMAGE.items():
         alone = start(**{"scenario": "undamaged", **run, **values, "record.name": f"alone_{name}"})
         assert alone.wait() == 0, alone.errors
-        found, expected = read(bags[name]), read(tmp_path / f"alone_{name}")
+        found, expected = read_bag(bags[name]), read_bag(tmp_path / f"alone_{name}")
         np.testing.assert_array_equal(found.forces, expected.forces)
         np.testing.assert_array_equal(found.stresses, expected.stresses)
         assert len(found) == round(0.5 / found.step_period[0])
         assert found.info.digest == expected.info.digest
-    assert read(bags["leading"]).forces.min(axis=0)[0] == 0.0  # its breakout has been on the rail
+    assert read_bag(bags["leading"]).forces.min(axis=0)[0] == 0.0  # its breakout has been on the rail
 
 
 @pytest.mark.slow

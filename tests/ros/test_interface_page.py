@@ -187,7 +187,7 @@ def test_every_row_of_the_page_says_what_it_is_for():
 
 
 def test_depths_are_those_of_the_code():
-    from wheelset_track_sim.bags.rosbag2_metadata import DEPTH, LATCHED_TOPICS
+    from wheelset_track_sim.bags.topics import DEPTH, LATCHED_TOPICS
     from wheelset_track_sim.ros.services import COMMANDS
 
     for row in rows("Topics"):

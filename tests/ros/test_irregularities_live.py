@@ -7,7 +7,7 @@ import pytest
 from support.service_calls import assert_gap_free, first_of
 from wheelset_track_sim.errors import LONGEST
 from wheelset_track_sim.inputs.yaml12 import parse
-from wheelset_track_sim.scenario.scenario import scenario_from
+from wheelset_track_sim.scenario import scenario_from
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 

@@ -15,7 +15,7 @@ import pytest
 from wheelset_track_sim.bags import Bag, State
 from wheelset_track_sim.bags.tread_damage import irregularities_of
 from wheelset_track_sim.samples.block import SampleBlock
-from wheelset_track_sim.scenario.scenario import WHEELS, load_scenario
+from wheelset_track_sim.scenario import WHEELS, load_scenario
 from wheelset_track_sim.scenario.values import values_of, with_values
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(900)]

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import pytest
 
+from support.paths import OLD_BAG
 from support.replaying import NODE, Subscriber, by_topic, recorded
 from wheelset_track_sim.cli.run import run
 
@@ -77,6 +78,18 @@ def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_clie
     first = steps.index(live[0].first_step, begun)
     assert again[first : first + len(live)] == live
     assert "damaged" not in replay.errors + replay.output
+
+
+def test_a_bag_of_version_0_1_is_played(play, client):
+    stored = by_topic(recorded(OLD_BAG))
+    listener = Subscriber(client, OLD_BAG)
+    play(OLD_BAG, "--loop", "--start-paused")
+    listener.connect()
+    for _ in range(3):
+        assert client.trigger("play_next").success
+    client.until(
+        lambda: all(by_topic([*listener.arrived])[topic][-len(items) :] == items for topic, items in stored.items())
+    )
 
 
 def test_every_chunk_leaves_at_its_time(play, client, bag):
@@ -260,7 +273,7 @@ BAD = {
     "missing": (["nowhere.mcap"], "nowhere.mcap does not exist", 2),
     "rate": (["BAG", "--rate", "-1"], "rate", 2),
     "stamps": (["BAG", "--stamps", "later"], "stamps = later is not known: give one of original, now", 2),
-    "offset": (["BAG", "--start-offset", "5"], "start_offset = 5 s is behind the end of the bag", 2),
+    "offset": (["BAG", "--start-offset", "5"], "start_offset = 5 s is after the end of the bag", 2),
     "prefix": (["BAG", "--prefix", "not a name"], "prefix = not a name", 2),
     "two clocks": (["BAG", "--publish-clock", "--ros-args", "-p", "use_sim_time:=true"], "use_sim_time = true", 2),
     "option": (["BAG", "--speed", "2"], "unrecognized arguments: --speed 2", 2),

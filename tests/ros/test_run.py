@@ -1,11 +1,14 @@
 """A run whose end another client asks for meanwhile: no bag is left behind that nobody closes."""
 
-from types import SimpleNamespace
+import dataclasses
 
 import pytest
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.recorder import Recorder
+from wheelset_track_sim.live.run_messages import PAUSED
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.simulation.simulator import Simulator
 
 pytestmark = pytest.mark.ros
 
@@ -28,9 +31,9 @@ def recorder(monkeypatch, run_info):
 
 @pytest.fixture
 def run(recorder):
-    from wheelset_track_sim.ros.run import Run
+    from wheelset_track_sim.ros.run import NodeRun
 
-    return Run(SimpleNamespace(next_step=0), Outlet(), Outlet(), recorder, None, None, None)
+    return NodeRun(Simulator(load_scenario("undamaged")), Outlet(), Outlet(), recorder, None, None, None)
 
 
 def test_a_run_that_is_over_begins_no_recording(run, recorder, tmp_path):
@@ -49,6 +52,6 @@ def test_a_run_that_is_over_begins_no_recording(run, recorder, tmp_path):
 
 def test_the_end_of_a_recording_is_told_no_more_when_the_run_is_over(run, recorder, tmp_path):
     run.start_recording(tmp_path / "run")
+    run.messages.told = dataclasses.replace(run.messages.told, status=PAUSED)
     run.end()
-    run._told = object()  # a state: its topic is gone
     assert run.stop_recording() == str(tmp_path / "run")

@@ -6,7 +6,7 @@ import signal
 import pytest
 
 from wheelset_track_sim.bags import Bag
-from wheelset_track_sim.twin import simulate_again
+from wheelset_track_sim.twin import resimulate
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -54,12 +54,12 @@ def test_a_run_that_a_client_has_changed_paused_and_split_is_bit_identical(start
     assert node.signal(signal.SIGINT) == 0, node.errors
 
     for name in ("run", "late"):
-        found = simulate_again(tmp_path / name)
+        found = resimulate(tmp_path / name)
         assert found.identical, found
         assert found.inputs.start is None
         assert not found.unknown
         assert not found.origin
     assert len(Bag(tmp_path / "run").files) == 2
-    assert simulate_again(tmp_path / "run" / "run_1.mcap").identical
+    assert resimulate(tmp_path / "run" / "run_1.mcap").identical
     first = next(Bag(tmp_path / "late").blocks())
     assert first.first_step > 0

@@ -1,7 +1,10 @@
 import ast
+import os
+import time
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import wheelset_track_sim
 from wheelset_track_sim.runtime import jit
@@ -37,6 +40,54 @@ def test_the_cache_folder_follows_the_kernels(tmp_path: Path, monkeypatch) -> No
     found.add(jit.cache_folder())
     jit.cache_folder.cache_clear()
     assert len(found) == 3
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Empty cache of kernels, on two cores; processes find the modules in it."""
+    monkeypatch.setattr(jit, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    return tmp_path
+
+
+def compiling(folder: Path, code: str = "") -> str:
+    """Name of a module that takes half a second, leaves a file and then executes ``code``."""
+    (folder / "compiling.py").write_text(
+        f"import time; time.sleep(0.5)\nopen({str(folder / 'ran')!r}, 'w').close()\n{code}"
+    )
+    return "compiling"
+
+
+@pytest.mark.parametrize("code", ["", "raise SystemExit(1)"])
+def test_kernels_are_compiled_beside_and_waited_for(folder: Path, code: str) -> None:
+    with jit.compiled_meanwhile(compiling(folder, code)):
+        assert not (folder / "ran").exists()
+    assert (folder / "ran").exists()
+
+
+def test_an_interruption_ends_the_compilation_too(folder: Path) -> None:
+    def interrupted() -> None:
+        with jit.compiled_meanwhile(compiling(folder, "time.sleep(600)")):
+            while not (folder / "ran").exists():
+                time.sleep(0.01)
+            raise KeyboardInterrupt
+
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert time.monotonic() - start < 300
+
+
+@pytest.mark.parametrize("reason", ["done", "one core"])
+def test_no_process_without_need(folder: Path, monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
+    if reason == "done":
+        jit.mark_compiled()
+    else:
+        monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0}, raising=False)
+    with jit.compiled_meanwhile(compiling(folder)):
+        pass
+    assert not (folder / "ran").exists()
 
 
 def test_nan_survives_a_reordered_sum() -> None:

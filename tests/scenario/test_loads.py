@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.scenario.loads import Loads
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
 
 
 def test_without_loads_nothing_is_superposed() -> None:
@@ -35,7 +35,7 @@ def test_loads_come_back_from_their_own_mapping() -> None:
         ("loads.press_fit.wheel=0.0001", "did you mean wheels"),
         (
             "loads.torque_plan=[{time: 1, torque: 0}, {time: 1, torque: 5}]",
-            "loads.torque_plan.1.time = 1 s is not be",
+            "loads.torque_plan.1.time = 1 s is not af",
         ),
         ("loads.torque_at=[]", "loads.torque_at is empty"),
         ("loads.wheel_1_share=1.5", "wheel_1_share = 1.5 is out of range"),

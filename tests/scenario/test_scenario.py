@@ -1,17 +1,20 @@
 import dataclasses
+import typing
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wheelset_track_sim.contact.profile_points import load_points
+from wheelset_track_sim.contact.named_profiles import read_profile
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.inputs.yaml12 import dump, parse
-from wheelset_track_sim.scenario.scenario import Scenario, SetPoint, load_scenario, override, scenario_from
+from wheelset_track_sim.scenario import Loads, Profiles, Scenario, SetPoint, load_scenario, override, scenario_from
 from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 
 
 @pytest.mark.parametrize("name", shipped.names("scenarios"))
@@ -118,48 +121,124 @@ def test_an_override_sets_or_refuses_and_nothing_else(key: str, value: str) -> N
         assert isinstance(scenario_from(data), Scenario)
 
 
-def test_a_key_within_a_named_track_makes_its_content_part_of_the_scenario():
-    scenario = load_scenario("undamaged", ["track.sleeper.length=2.6"])
-    assert scenario.track["sleeper"]["length"] == 2.6
-    assert scenario.track["spacing"] == 0.6
-    assert scenario.wheelset == "x40"
-    assert scenario_from(scenario.to_mapping()) == scenario
+@pytest.mark.parametrize("named", [True, False])
+def test_a_key_within_a_shipped_model_makes_its_content_part_of_the_scenario(tmp_path: Path, named: bool) -> None:
+    text = "name: plain\nspeed: 30.0\naxle_load: 196200.0\n"
+    (tmp_path / "plain.yaml").write_text(text + ("track: ballasted_60e1\nwheelset: x40\n" if named else ""))
+    scenario = load_scenario(tmp_path / "plain.yaml", ["track.pad.stiffness=9e7", "wheelset.wheel.rolling_radius=0.42"])
+    assert scenario.track == dataclasses.replace(
+        load_track("ballasted_60e1"), pad=dataclasses.replace(load_track("ballasted_60e1").pad, stiffness=9e7)
+    )
+    assert (scenario.wheelset.rolling_radius, scenario.wheelset.name) == (0.42, "x40")
+    assert scenario.steps_per_revolution == round(2 * np.pi * 420)
+    assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
+
+
+def test_shipped_models_are_names_in_text_and_others_their_content() -> None:
+    mapping = load_scenario("undamaged").to_mapping()
+    assert (mapping["wheelset"], mapping["track"]) == ("x40", "ballasted_60e1")
+    assert mapping["profiles"]["wheel_1"] == "cylinder"
+    mapping = load_scenario("undamaged", ["track.sleeper.length=2.6"]).to_mapping()
+    assert (mapping["wheelset"], mapping["track"]["sleeper"]["length"]) == ("x40", 2.6)
+    for kind in ("wheelsets", "tracks"):
+        for name in shipped.names(kind):
+            assert load_scenario("undamaged", [f"{kind[:-1]}={name}", NODES[name]]).to_mapping()[kind[:-1]] == name
+
+
+NODES = dict.fromkeys(["trailer", "trailer_calculix"], "output.stress_nodes=[A1]")
+NODES |= dict.fromkeys(["slab_60e1", "ballasted_54e1", "ballasted_60e1", "x40"], "speed=30")
+
+
+def test_imported_wheelsets_come_back_from_their_own_text() -> None:
+    shown = load_scenario("imported")
+    wheelset = dataclasses.replace(shown.wheelset, name="mine")
+    scenario = dataclasses.replace(shown, wheelset=wheelset)
+    assert scenario.to_mapping()["wheelset"]["name"] == "mine"
+    assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
 
 
 def test_files_of_models_become_part_of_the_scenario(tmp_path: Path) -> None:
-    """A bag that tells its scenario then stands on its own."""
+    """A bag that holds the scenario then needs no file."""
     track = tmp_path / "soft.yaml"
-    track.write_text(dump(shipped.load_yaml("tracks", "ballasted_60e1")))
+    content = shipped.load_yaml("tracks", "ballasted_60e1") | {"name": "soft"}
+    track.write_text(dump(content))
     scenario = load_scenario("undamaged", [f"track={track}"])
     track.unlink()
-    assert scenario.track == shipped.load_yaml("tracks", "ballasted_60e1")
+    assert scenario.track == load_track(content)
     assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
     with pytest.raises(InputError, match=r"soft\.yaml cannot be read"):
         load_scenario("undamaged", [f"track={track}"])
+
+
+def test_a_mapping_opens_no_file(tmp_path: Path) -> None:
+    """What comes from a bag or over a network is a mapping: it may name shipped models alone."""
+    data = load_scenario("undamaged").to_mapping()
+    track = tmp_path / "soft.yaml"
+    track.write_text(dump(shipped.load_yaml("tracks", "ballasted_60e1")))
+    for key in ("track", "wheelset"):
+        with pytest.raises(InputError, match=rf"^{key} = '.*soft.yaml' is not a known {key}"):
+            scenario_from(data | {key: str(track)})
 
 
 def test_files_are_found_beside_the_scenario_that_names_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "axle.yaml").write_text(dump(shipped.load_yaml("wheelsets", "trailer")))
     (tmp_path / "mine" / "soft.yaml").write_text("base: ballasted_60e1\npad: {stiffness: 9.0e+7}\n")
-    (tmp_path / "mine" / "worn.csv").write_text(shipped.text("wheel_profiles", "s1002_hollow.csv"))
-    text = "name: mine\nspeed: 30.0\naxle_load: 137340.0\nwheelset: axle.yaml\nprofiles: {wheel_1: worn.csv}\n"
+    (tmp_path / "mine" / "worn.csv").write_text(shipped.file("wheel_profiles", "s1002_hollow.csv").read_text())
+    text = "name: mine\nspeed: 30.0\naxle_load: 137340.0\nwheelset: axle.yaml\n"
+    text += "profiles: {wheel_1: worn.csv, wheel_2: s1002, inclination: 0.025, gauge: 1.435}\n"
+    text += "output: {stress_nodes: [A1]}\n"
     (tmp_path / "mine" / "case.yaml").write_text(text + "track: soft.yaml\n")
     (tmp_path / "mine" / "wide.yaml").write_text(text + "track: {base: soft.yaml, spacing: 0.65}\n")
     monkeypatch.chdir(tmp_path)
     case, wide = load_scenario("mine/case.yaml"), load_scenario("mine/wide.yaml")
     for file in ("axle.yaml", "soft.yaml", "worn.csv"):
         (tmp_path / "mine" / file).unlink()
-    assert load_track(case.track).pad.stiffness == load_track(wide.track).pad.stiffness == 9e7
-    assert load_track(wide.track).spacing == 0.65
-    assert case.wheelset == wide.wheelset == shipped.load_yaml("wheelsets", "trailer")
-    assert case.profiles.wheel_1 == load_points("wheel", "s1002_hollow").plain()
+    assert case.track.pad.stiffness == wide.track.pad.stiffness == 9e7
+    assert wide.track.spacing == 0.65
+    assert case.wheelset == wide.wheelset == load_wheelset("trailer")
+    assert case.profiles.wheel_1 == read_profile("wheel", "s1002_hollow", "")
     assert scenario_from(parse(wide.to_yaml(), "")) == wide
 
 
-def test_files_that_stand_on_themselves_come_to_an_end(tmp_path: Path) -> None:
+def test_files_that_are_based_on_themselves_come_to_an_end(tmp_path: Path) -> None:
     own = tmp_path / "own.yaml"
     own.write_text(f"base: {own}\n")
-    scenario = load_scenario("undamaged", [f"track={own}"])
     with pytest.raises(InputError, match=r"track\.base = .*own\.yaml"):
-        load_track(scenario.track)
+        load_scenario("undamaged", [f"track={own}"])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("output.stress_nodes=[A1, Z9]", ["output.stress_nodes.1 = 'Z9'", "known are A1, B1, C1"]),
+        ("loads.torque_at=[gearbox, engine]", ["loads.torque_at.1 = 'engine'", "gearbox, wheel_1, wheel_2"]),
+        ("loads.stresses=[{node: Q, xx: 1e6}]", ["loads.stresses.0.node = 'Q'"]),
+        ("step_length=0.0007", ["step_length = 0.0007 m does not divide the sleeper spacing of 0.6 m", "give 0.0006"]),
+        ("track.pad.stiffness=1", ["track.pad.stiffness = 1 N/m"]),
+        ("track.name=[1]", ["track.name = [1]"]),
+        ("wheelset.axle.sections.0.diameter=9", ["wheelset.axle.sections.0.diameter = 9 m"]),
+        ("wheelset=x41", ["wheelset", "did you mean x40"]),
+        ("profiles.wheel_1=s1003", ["profiles.wheel_1", "did you mean s1002"]),
+        ("profiles.gauge=9", ["profiles.gauge = 9 m"]),
+        ("profiles={wheel_1: s1002, wheel_2: s1002, gauge: 1.38}", ["wheel_1 "]),
+        (
+            "irregularities=[{type: flat, on: wheel_1, length: 0.06, worn_length: 0.05}]",
+            ["irregularities.0", "worn_length"],
+        ),
+        ("irregularities=[{type: corrugation, on: rail_1, start: 59.0, length: 9000.0}]", ["irregularities.0"]),
+        ("line_length=0.7123", ["line_length = 0.7123 m is no whole number of steps"]),
+    ],
+)
+def test_every_error_is_raised_when_a_scenario_is_loaded(change: str, words: list[str]) -> None:
+    changes = ["loads.torque=1000", change] if "loads" in change else [change]
+    with pytest.raises(InputError) as refusal:
+        load_scenario("damage_wheel_1", changes)
+    assert "\n" not in str(refusal.value)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_no_public_field_of_a_scenario_is_untyped() -> None:
+    hints = typing.get_type_hints(Scenario) | typing.get_type_hints(Profiles) | typing.get_type_hints(Loads)
+    assert not [name for name, hint in hints.items() if "Any" in str(hint)]

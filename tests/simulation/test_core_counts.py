@@ -13,7 +13,7 @@ from wheelset_track_sim.runtime.one_core import on_one_core, one_core
 RUN = """
 import dataclasses, hashlib, os, sys
 os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: int(sys.argv[1])])
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from threadpoolctl import threadpool_info
 

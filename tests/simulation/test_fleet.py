@@ -8,8 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation import fleet
 from wheelset_track_sim.simulation.fleet import Fleet, ModelPool
 from wheelset_track_sim.simulation.models import load_models
@@ -128,8 +127,3 @@ def test_who_fails_to_build_leaves_it_to_the_next(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         pool.models(SCENARIOS[0])
     assert pool.models(SCENARIOS[0]).step_length == 1e-3
-
-
-def test_bad_scenario_of_one_is_refused_for_all():
-    with pytest.raises(InputError, match="no_such_wheelset"):
-        Fleet([SCENARIOS[0], dataclasses.replace(SCENARIOS[0], wheelset="no_such_wheelset")])

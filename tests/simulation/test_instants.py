@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.instants import Contacts
 from wheelset_track_sim.simulation.simulator import Simulator
 

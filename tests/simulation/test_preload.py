@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.preload import RISE, Loading
 from wheelset_track_sim.simulation.simulator import Simulator
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from wheelset_track_sim.scenario.scenario import SetPoint
+from wheelset_track_sim.scenario import SetPoint
 from wheelset_track_sim.simulation.speed import FAR, LEVEL, Course, Stretch, levels, ramp
 
 SPEEDS = st.floats(5.0, 100.0)

@@ -9,7 +9,7 @@ import pytest
 from support.advancing import advance_to
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.samples.block import SampleBlock
-from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
+from wheelset_track_sim.scenario import SetPoint, load_scenario
 from wheelset_track_sim.simulation.changes import Revision
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.speed import LEVEL

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.scenario.loads import Loads
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.superposition import TorqueCourse, superposition
 

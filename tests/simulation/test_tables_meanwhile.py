@@ -11,7 +11,7 @@ from support.advancing import advance_to
 from wheelset_track_sim.contact import tables
 from wheelset_track_sim.errors import ContactError
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario.scenario import WHEELS, Scenario
+from wheelset_track_sim.scenario import WHEELS, Scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 SMALL = {"a": 0.006, "b": 0.005, "h": 0.0002}

@@ -5,7 +5,7 @@ import pytest
 
 from support.toy import COMPONENTS, STATIC, toy_scenario, toy_simulator
 from wheelset_track_sim.samples.block import SampleBlock
-from wheelset_track_sim.scenario.scenario import scenario_from
+from wheelset_track_sim.scenario import scenario_from
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 

@@ -12,9 +12,9 @@ import pytest
 
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.studies.conduct import Place, conduct
+from wheelset_track_sim.studies.conduct import Resources, conduct
 from wheelset_track_sim.studies.evaluate import evaluate, program
 from wheelset_track_sim.studies.store import Store
 from wheelset_track_sim.studies.study import load_study
@@ -29,7 +29,7 @@ def files(out: Path) -> dict[str, int]:
 @pytest.fixture
 def conducted(small, study_file, tmp_path):
     study = load_study(study_file(small))
-    return study, *conduct("small", study, study.runs(), tmp_path / "out", Place(workers=1))
+    return study, *conduct("small", study, study.runs(), tmp_path / "out", Resources(workers=1))
 
 
 @pytest.mark.slow
@@ -52,7 +52,7 @@ def test_finished_runs_are_taken_damaged_and_changed_ones_done_again(conducted, 
     study, results, _ = conducted
     out = tmp_path / "out"
     before = files(out)
-    again, there = conduct("small", study, study.runs(), out, Place(workers=1))
+    again, there = conduct("small", study, study.runs(), out, Resources(workers=1))
     assert there == 4
     assert files(out) == before
     assert [found.values for found in again.found.values()] == [found.values for found in results.found.values()]
@@ -61,7 +61,7 @@ def test_finished_runs_are_taken_damaged_and_changed_ones_done_again(conducted, 
     damaged.write_bytes(damaged.read_bytes()[:100])
     small["vary"]["irregularities.0.h"] = [0.0, 0.0003, 0.0004]
     more = load_study(study_file(small))
-    grown, there = conduct("small", more, more.runs(), out, Place(workers=1))
+    grown, there = conduct("small", more, more.runs(), out, Resources(workers=1))
     assert there == 3
     assert grown.value(3, "wheels.wheel_1.max_force") == results.value(2, "wheels.wheel_1.max_force")
     after = files(out)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import SetPoint, load_scenario
+from wheelset_track_sim.scenario import SetPoint, load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.studies.evaluate import Job, Result, evaluate, program
 
@@ -17,7 +17,6 @@ def job() -> Job:
     scenario = load_scenario("damage_wheel_1", ["acceleration=10", "irregularities.0.h=0.0003"])
     return Job(
         dataclasses.replace(scenario, speed_plan=PLAN),
-        models="shipped",
         before=1.0,
         after=1.0,
         outputs=("wheels.wheel_1.max_force", "nodes.A1.max_principal"),

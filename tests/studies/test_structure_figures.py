@@ -13,7 +13,8 @@ from matplotlib import image
 from wheelset_track_sim.dynamics.causal import causal_model
 from wheelset_track_sim.dynamics.causal_kernels import advance, displacements
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import Output, Scenario, load_scenario
+from wheelset_track_sim.report.figures import new_figure
+from wheelset_track_sim.scenario import Output, Scenario, load_scenario
 from wheelset_track_sim.studies import (
     drawing,
     moving_green_functions,
@@ -24,9 +25,9 @@ from wheelset_track_sim.studies import (
 from wheelset_track_sim.track.balance import moving_track
 from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.wheelset.kinds import load_wheelset, with_geometry
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import mode_shapes, reduced_wheelset
-from wheelset_track_sim.wheelset.wheelset import load_wheelset
 
 SCENARIO = load_scenario("undamaged")
 FIGURES = {
@@ -74,7 +75,7 @@ def drawn(tmp_path_factory) -> Drawn:
 
 @pytest.fixture(scope="module")
 def reduced() -> ReducedWheelset:
-    return reduced_wheelset(load_wheelset(SCENARIO.wheelset))
+    return reduced_wheelset(with_geometry(SCENARIO.wheelset))
 
 
 @pytest.mark.slow
@@ -137,7 +138,7 @@ def test_labels_of_neighbouring_peaks_stand_apart() -> None:
     peaks = [205.0, 407.0, 1574.0, 1912.0]
     heights = [1.4e4, 3e4, 1.5e4, 6e3]
     values = sum(h / (1 + (500 * np.log(frequencies / f)) ** 2) for h, f in zip(heights, peaks, strict=True))
-    with drawing.new_figure(3.6, "", "") as figure:
+    with new_figure(3.6, "", "") as figure:
         axes = figure.subplots()
         axes.loglog(frequencies, values)
         axes.set(xlim=(1.0, 2500.0), ylim=(1e-2, 1e5))
@@ -284,7 +285,7 @@ def test_refusals(tmp_path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         drawing.table(tmp_path / "file", "any", {"x (m)": np.zeros(1)})
     with (
-        drawing.new_figure(1.0, "any", "any") as figure,
+        new_figure(1.0, "any", "any") as figure,
         pytest.raises(InputError, match="cannot be written"),
     ):
         drawing.save(tmp_path / "file", "any", figure)

@@ -3,7 +3,7 @@
 from hypothesis import strategies as st
 
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario.scenario import WHEELS
+from wheelset_track_sim.scenario import WHEELS
 
 BREAKOUTS = st.builds(
     Breakout,

@@ -18,10 +18,10 @@ from wheelset_track_sim.bags.buffered import BufferedWriter
 from wheelset_track_sim.bags.messages import chunk_messages, state_message
 from wheelset_track_sim.bags.settings import RecordSettings
 from wheelset_track_sim.bags.snapshots import writer_of
-from wheelset_track_sim.live.origin import run_info, state
 from wheelset_track_sim.live.pacing import Pace
+from wheelset_track_sim.live.run_messages import run_info, state
 from wheelset_track_sim.live.stream import Stream
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 TIME = struct.Struct("d")

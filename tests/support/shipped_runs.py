@@ -7,7 +7,7 @@ import numpy as np
 
 from support.advancing import advance_to
 from support.paths import ROOT
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 REFERENCE = ROOT / "tests" / "data" / "shipped_scenarios.json"

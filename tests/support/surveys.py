@@ -11,7 +11,7 @@ from wheelset_track_sim.bags.tread_damage import damage_fields
 from wheelset_track_sim.report.survey import Survey, survey_of
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.impacts import ImpactSettings
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
+from wheelset_track_sim.scenario import Scenario, load_scenario
 
 DX = 1e-3
 NODES = ("A1", "B1", "C1")

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from wheelset_track_sim.dynamics.causal import causal_model
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario, scenario_from
-from wheelset_track_sim.simulation.models import Models, described
+from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
+from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.balance import HalfTrack, MovingTrack
 from wheelset_track_sim.wheelset.kinds import reduce_wheelset
@@ -88,19 +88,18 @@ def toy_scenario(*changes: str, like: str = "undamaged") -> Scenario:
 def toy_models() -> Models:
     """The models of all toy simulators: the toy track is in the place of that of the scenario."""
     scenario = toy_scenario()
-    wheelset, track, geometry = described(scenario)
-    reduced = reduce_wheelset(wheelset)
-    places = round(track.spacing / scenario.step_length)
+    reduced = reduce_wheelset(scenario.wheelset)
+    places = round(scenario.track.spacing / scenario.step_length)
     moving = MovingTrack(toy_half(places, 1.3e8), toy_half(places, 1.2e8))
     return Models(
-        wheelset=wheelset,
+        wheelset=scenario.wheelset,
         reduced=reduced,
-        track=track,
+        track=scenario.track,
         dynamics=causal_model(reduced, moving, scenario.output.stress_nodes, scenario.at_lag_zero),
-        geometry=geometry,
+        geometry=scenario.geometry,
         step_length=scenario.step_length,
-        steps_per_revolution=round(2 * np.pi * reduced.rolling_radius / scenario.step_length),
-        tread_origin=round(scenario.reference_position / scenario.step_length),
+        steps_per_revolution=scenario.steps_per_revolution,
+        tread_origin=scenario.tread_origin,
     )
 
 

@@ -15,7 +15,7 @@ from wheelset_track_sim.contact.law import build_contact_law
 from wheelset_track_sim.contact.law_kernels import ContactLaw
 from wheelset_track_sim.contact.solutions import approach_for_force, force_at
 from wheelset_track_sim.dynamics.hold import hold
-from wheelset_track_sim.scenario.scenario import Scenario
+from wheelset_track_sim.scenario import Scenario
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.wheelset.reduction import reduced_wheelset

@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
-from wheelset_track_sim.wheelset.harmonics import Harmonic
+from wheelset_track_sim.wheelset.harmonics import HarmonicModel
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
@@ -141,7 +141,7 @@ def bricks(wheelset: Wheelset, mesh: SectionMesh, sectors: int) -> Bricks:
     )
 
 
-def on_bricks(solid: Bricks, model: Harmonic, unknowns: Real) -> Real:
+def on_bricks(solid: Bricks, model: HarmonicModel, unknowns: Real) -> Real:
     """Displacements of a harmonic at the free unknowns of the bricks."""
     u_r, u_y, u_t = (model.free @ unknowns).reshape(-1, 3).T
     field = np.zeros((len(solid.points), 3))

@@ -4,16 +4,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.track.supports import KINDS, Along, Line, Scatter, Supports, along
+from wheelset_track_sim.track.supports import KINDS, Along, Scatter, SupportLine, Supports, along
 from wheelset_track_sim.track.track import Track, load_track
 
 
 def entry(**values: object) -> Along:
-    return along(Line(supports=(Supports(**values),)))  # type: ignore[arg-type]
+    return along(SupportLine(supports=(Supports(**values),)))  # type: ignore[arg-type]
 
 
 def test_nothing_said_changes_nothing() -> None:
-    line = along(Line())
+    line = along(SupportLine())
     for kind in KINDS:
         assert np.array_equal(getattr(line, kind), np.ones((80, 2)))
     assert np.isnan(line.gap).all()
@@ -39,16 +39,18 @@ def test_a_ramp_goes_in_equal_ratios_on_both_sides_and_round_the_end() -> None:
 
 def test_entries_multiply_and_the_larger_gap_holds() -> None:
     line = along(
-        Line(supports=(Supports("3-9", pad_damping=2.0, gap=0.002), Supports("5", pad_damping=1.5, gap=0.001)))
+        SupportLine(supports=(Supports("3-9", pad_damping=2.0, gap=0.002), Supports("5", pad_damping=1.5, gap=0.001)))
     )
     assert line.pad_damping[4:7, 0] == pytest.approx([2.0, 3.0, 2.0])
     assert line.gap[4:7, 1] == pytest.approx(0.002)
-    limited = along(Line(supports=(Supports("5", ballast_stiffness=100.0), Supports("5", ballast_stiffness=100.0))))
+    limited = along(
+        SupportLine(supports=(Supports("5", ballast_stiffness=100.0), Supports("5", ballast_stiffness=100.0)))
+    )
     assert limited.ballast_stiffness[5, 0] == 100.0
 
 
 def test_scatter_has_the_mean_and_the_variation_that_are_asked_for() -> None:
-    line = along(Line(bays=1000, scatter=Scatter(pad_stiffness=0.2, ballast_stiffness=0.5, seed=7)))
+    line = along(SupportLine(bays=1000, scatter=Scatter(pad_stiffness=0.2, ballast_stiffness=0.5, seed=7)))
     for kind, variation in (("pad_stiffness", 0.2), ("ballast_stiffness", 0.5)):
         drawn = getattr(line, kind)
         assert drawn.mean() == pytest.approx(1.0, abs=4 * variation / np.sqrt(2000))
@@ -60,17 +62,19 @@ def test_scatter_has_the_mean_and_the_variation_that_are_asked_for() -> None:
 
 
 def test_a_seed_draws_the_same_and_another_one_others() -> None:
-    one, again, other = (along(Line(scatter=Scatter(pad_stiffness=0.2, seed=seed))).pad_stiffness for seed in (1, 1, 2))
+    one, again, other = (
+        along(SupportLine(scatter=Scatter(pad_stiffness=0.2, seed=seed))).pad_stiffness for seed in (1, 1, 2)
+    )
     assert np.array_equal(one, again)
     assert not np.isclose(one, other).any()
     # what is scattered besides does not change what is drawn
-    both = along(Line(scatter=Scatter(pad_stiffness=0.2, ballast_damping=0.3, seed=1))).pad_stiffness
+    both = along(SupportLine(scatter=Scatter(pad_stiffness=0.2, ballast_damping=0.3, seed=1))).pad_stiffness
     assert np.array_equal(one, both)
 
 
 @given(st.floats(0.0, 1.0), st.integers(0, 2**31 - 1))
 def test_scattered_supports_stay_within_their_limits(variation: float, seed: int) -> None:
-    line = along(Line(bays=48, scatter=Scatter(variation, variation, variation, variation, seed)))
+    line = along(SupportLine(bays=48, scatter=Scatter(variation, variation, variation, variation, seed)))
     for kind in KINDS:
         assert np.all((getattr(line, kind) >= 1e-3) & (getattr(line, kind) <= 100.0))
 

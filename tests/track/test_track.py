@@ -6,7 +6,7 @@ import yaml
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.shipped import load_yaml
-from wheelset_track_sim.track.track import Track, load_track
+from wheelset_track_sim.track.track import Track, load_track, read_track
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def test_name_file_mapping_and_track_are_the_same(plain: dict, tmp_path: Path) -
     file = tmp_path / "mine.yaml"
     file.write_text(yaml.safe_dump(plain))
     track = load_track("ballasted_60e1")
-    assert load_track(file) == load_track(plain) == load_track(track) == track
+    assert load_track(file) == load_track(plain) == read_track(track, "track") == track
     assert load_track(dataclasses.asdict(track)) == track
 
 

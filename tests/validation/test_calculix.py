@@ -11,12 +11,12 @@ import pytest
 
 from tools.calculix_wheelset import as_yaml, by_calculix
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
-from wheelset_track_sim.wheelset.kinds import load_any_wheelset, reduce_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, reduce_wheelset
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 pytestmark = pytest.mark.slow
 MODES = 10
@@ -38,7 +38,7 @@ def own(trailer: Wheelset) -> ReducedWheelset:
 def test_from_geometry_to_a_run(trailer: Wheelset, own: ReducedWheelset, tmp_path: Path) -> None:
     path = tmp_path / "trailer_ccx.yaml"
     path.write_text(as_yaml(by_calculix(trailer, modes=MODES)), encoding="utf-8")
-    imported = reduce_wheelset(load_any_wheelset(path))
+    imported = reduce_wheelset(load_wheelset(path))
     below = own.frequencies < 330.0
     assert imported.frequencies[: below.sum()] == pytest.approx(own.frequencies[below], rel=0.02)  # coarse bricks
     agree(imported, own)
@@ -65,7 +65,7 @@ def agree(imported: ReducedWheelset, own: ReducedWheelset) -> None:
 
 def test_the_shipped_file_is_the_trailers(own: ReducedWheelset) -> None:
     """Also where CalculiX is not installed."""
-    shipped = reduce_wheelset(load_any_wheelset("trailer_calculix"))
+    shipped = reduce_wheelset(load_wheelset("trailer_calculix"))
     agree(shipped, own)
     assert shipped.mass == pytest.approx(own.mass, rel=1e-3)
 

@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 
-from wheelset_track_sim.contact import ContactGeometry, HertzContact, Pair, RailHead, build_contact_law, solve_patch
+from wheelset_track_sim.contact import (
+    ContactGeometry,
+    HertzContact,
+    ProfilePair,
+    RailHead,
+    build_contact_law,
+    solve_patch,
+)
 from wheelset_track_sim.contact.law import ELEMENT_WIDTH
 
-ROUND = ContactGeometry(pairs=(Pair(rail=RailHead(radii=(0.3,), ends=(0.036,))),) * 2)
+ROUND = ContactGeometry(pairs=(ProfilePair(rail=RailHead(radii=(0.3,), ends=(0.036,))),) * 2)
 HERTZ = HertzContact(ROUND.wheel_radius, 0.3, ROUND.contact_modulus)
 
 

@@ -7,8 +7,8 @@ from support.half_space import half_space
 from wheelset_track_sim.contact import (
     ContactGeometry,
     HertzContact,
-    Pair,
     Points,
+    ProfilePair,
     RailHead,
     Straight,
     approach_for_force,
@@ -18,9 +18,8 @@ from wheelset_track_sim.contact import (
 )
 from wheelset_track_sim.contact.law_kernels import solve_contact, tabulated_force, total_separation
 from wheelset_track_sim.irregularities import Breakout, Roughness
-from wheelset_track_sim.scenario.scenario import load_scenario
-from wheelset_track_sim.simulation.contact_geometry import contact_geometry
-from wheelset_track_sim.wheelset.wheelset import load_wheelset
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +41,7 @@ def own_cache(tmp_path_factory):
 
 @pytest.fixture(scope="module", params=["lateral_offset", "worn_profiles"])
 def geometry(request):
-    return contact_geometry(load_scenario(request.param), X40)
+    return load_scenario(request.param).geometry
 
 
 @pytest.mark.parametrize("wheel_crown", [0.5, -0.6])
@@ -50,7 +49,7 @@ def test_crowned_wheel_on_crowned_rail_is_hertz(wheel_crown):
     """Elliptic contacts in closed form: a convex tread and a hollow one, on R300."""
     y = np.arange(-160, 161) * 2.5e-4
     tread = Points(y, -np.sign(wheel_crown) * (abs(wheel_crown) - np.sqrt(wheel_crown**2 - y**2)), noisy=False)
-    law = law_of(ContactGeometry(pairs=(Pair(tread, RailHead((0.3,), (0.036,))),) * 2))
+    law = law_of(ContactGeometry(pairs=(ProfilePair(tread, RailHead((0.3,), (0.036,))),) * 2))
     theory = HertzContact(0.43175, 1 / (1 / 0.3 + 1 / wheel_crown), ContactGeometry().contact_modulus)
     for force in (50e3, 98.1e3, 200e3):
         patch = solve_patch(law, 0, 0, 0, theory.approach(force))
@@ -59,7 +58,7 @@ def test_crowned_wheel_on_crowned_rail_is_hertz(wheel_crown):
 
 
 def test_cone_on_a_round_rail_is_hertz_beside_the_middle():
-    law = law_of(ContactGeometry(pairs=(Pair(Straight(1 / 40), RailHead((0.3,), (0.036,))),) * 2))
+    law = law_of(ContactGeometry(pairs=(ProfilePair(Straight(1 / 40), RailHead((0.3,), (0.036,))),) * 2))
     inside = 0.3 * np.sin(np.arctan(1 / 40))
     for wheel, at in ((0, inside), (1, -inside)):
         radius = 0.43175 + inside / 40
@@ -73,7 +72,7 @@ def test_cone_on_a_round_rail_is_hertz_beside_the_middle():
 def test_points_of_60e1_bear_as_its_arcs_do():
     arcs = load_scenario("lateral_offset")
     points = load_scenario("lateral_offset", ["profiles.rail_1=head_60e1_points", "profiles.rail_2=head_60e1_points"])
-    exact, sampled = (law_of(contact_geometry(scenario, X40)) for scenario in (arcs, points))
+    exact, sampled = (law_of(scenario.geometry) for scenario in (arcs, points))
     for wheel in (0, 1):
         for force in (30e3, 98.1e3, 300e3):
             approach = approach_for_force(exact, wheel, 0, 0, force)

@@ -8,7 +8,7 @@ import pytest
 from wheelset_track_sim.dynamics.paper import PaperModel
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.samples.block import SampleBlock
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 

@@ -18,7 +18,7 @@ from wheelset_track_sim.irregularities import (
     Polygon,
     Squat,
 )
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.bloch import receptance

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 from support.line_elements import Elements
 from wheelset_track_sim.dynamics.line import LineModel
 from wheelset_track_sim.dynamics.line_kernels import Line, move
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.track.line import track_line
 from wheelset_track_sim.track.supports import along

@@ -11,7 +11,7 @@ import pytest
 
 from support.unreduced import Unreduced
 from wheelset_track_sim.irregularities import Breakout
-from wheelset_track_sim.scenario.scenario import WHEELS, Scenario, load_scenario
+from wheelset_track_sim.scenario import WHEELS, Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import SETTLING, Simulator
 

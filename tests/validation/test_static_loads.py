@@ -13,6 +13,7 @@ from scipy.special import i0e, i1e
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.wheelset.harmonic_elements import free_unknowns, stiffness_and_mass
 from wheelset_track_sim.wheelset.harmonics import on_surface
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.parts import Axle, AxleSection
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh, divided, grid, joined
 from wheelset_track_sim.wheelset.static_loads import (
@@ -22,7 +23,7 @@ from wheelset_track_sim.wheelset.static_loads import (
     reacted,
     torsion_stress,
 )
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 RADIUS = 0.09
 INTERFERENCE = 2.5e-4

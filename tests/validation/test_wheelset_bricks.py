@@ -11,10 +11,11 @@ from support.wheelset_bricks import Bricks, bricks, on_bricks
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.stress_points import around_axle
-from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset
 
 pytestmark = pytest.mark.slow
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.stress_node import StressNode
-from wheelset_track_sim.wheelset.wheelset import load_wheelset
 
 SHIFTS = (-0.010, -0.006)
 

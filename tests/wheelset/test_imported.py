@@ -13,18 +13,18 @@ import pytest
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.shipped import table_text
 from wheelset_track_sim.inputs.yaml12 import dump
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.scenario.loads import Loads, PressFit
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
 from wheelset_track_sim.simulation.superposition import superposition
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
 from wheelset_track_sim.wheelset.imported import ImportedWheelset
-from wheelset_track_sim.wheelset.kinds import load_any_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, with_geometry
 from wheelset_track_sim.wheelset.mesh import wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.stress_points import around_axle
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 BAND = 1500.0
 
@@ -86,7 +86,7 @@ def content(coarse: Wheelset, reduced: ReducedWheelset) -> dict[str, Any]:
 
 
 def of(content: dict[str, Any]) -> ImportedWheelset:
-    wheelset = load_any_wheelset(content)
+    wheelset = load_wheelset(content)
     assert isinstance(wheelset, ImportedWheelset)
     return wheelset
 
@@ -126,12 +126,12 @@ def test_yaml_text_tables_and_npz_are_one(content: dict[str, Any], tmp_path: Pat
     arrays |= {"torque_places.0.name": np.array("gearbox"), "torque_places.0.y": np.array(0.403)}
     (tmp_path / "mine.yaml").write_text(dump(tables), encoding="utf-8")
     np.savez(tmp_path / "mine.npz", **arrays)
-    assert load_any_wheelset(tmp_path / "mine.yaml") == wheelset
-    assert load_any_wheelset(tmp_path / "mine.npz") == wheelset
+    assert load_wheelset(tmp_path / "mine.yaml") == wheelset
+    assert load_wheelset(tmp_path / "mine.npz") == wheelset
     # A scenario takes the file in, and needs it no more.
     for name in ("mine.yaml", "mine.npz"):
         scenario = load_scenario("undamaged", [f"wheelset={tmp_path / name}"])
-        assert load_any_wheelset(scenario.wheelset) == wheelset
+        assert scenario.wheelset == wheelset
         assert scenario_from(scenario.to_mapping()) == scenario
 
 
@@ -151,17 +151,15 @@ def test_torque_by_diameters_and_places(content: dict[str, Any]) -> None:
     ],
 )
 def test_loads_it_cannot_take_are_refused(content: dict[str, Any], loads: Loads, message: str) -> None:
-    wheelset = of(content)
     with pytest.raises(InputError, match=message):
-        superposition(loads, wheelset, wheelset.reduced(), ("A1",))
+        loads.check_against(of(content))
 
 
 def test_no_diameter_no_torque(content: dict[str, Any]) -> None:
     spoiled = copy.deepcopy(content)
     del spoiled["stress_nodes"][1]["diameter"]
-    wheelset = of(spoiled)
     with pytest.raises(InputError, match=r"stress_nodes.B1.diameter is missing"):
-        superposition(Loads(torque=1.0), wheelset, wheelset.reduced(), ("A1",))
+        Loads(torque=1.0).check_against(of(spoiled))
 
 
 @pytest.mark.parametrize(
@@ -194,7 +192,7 @@ def test_bad_files_are_refused(content: dict[str, Any], path: str, value: Any, m
         place = place[int(key) if isinstance(place, list) else key]
     place[int(last) if isinstance(place, list) else last] = value
     with pytest.raises(InputError, match=message) as refusal:
-        load_any_wheelset(spoiled)
+        load_wheelset(spoiled)
     assert "\n" not in str(refusal.value)
 
 
@@ -209,10 +207,10 @@ def test_units_that_do_not_fit_are_noticed(content: dict[str, Any]) -> None:
 
 def test_who_needs_geometry_says_so(content: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="x40_again is imported and has no geometry"):
-        load_wheelset(content)
+        with_geometry(load_wheelset(content))
 
 
 def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "mine.npz").write_bytes(b"PK no archive")
     with pytest.raises(InputError, match=r"mine.npz cannot be read"):
-        load_any_wheelset(tmp_path / "mine.npz")
+        load_wheelset(tmp_path / "mine.npz")

@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wheelset_track_sim.wheelset.equipment import PointMass, Ring
 from wheelset_track_sim.wheelset.harmonic_elements import solid_mass
-from wheelset_track_sim.wheelset.kinds import load_any_wheelset, reduce_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, reduce_wheelset
 from wheelset_track_sim.wheelset.mesh import wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.section_outline import section_outline
-from wheelset_track_sim.wheelset.wheelset import Wheelset
+from wheelset_track_sim.wheelset.wheelset import PointMass, Ring, Wheelset
 
 
 def revolved_volume(outline: np.ndarray) -> float:
@@ -43,7 +42,7 @@ def test_outlines_enclose_the_wheelsets_mass(x40: Wheelset, reduced_x40: Reduced
 
 
 def test_an_imported_wheelset_has_nodes_alone() -> None:
-    wheelset = load_any_wheelset("trailer_calculix")
+    wheelset = load_wheelset("trailer_calculix")
     outline = section_outline(wheelset, reduce_wheelset(wheelset))
     assert outline.parts == {}
     assert outline.node_names == ("A1", "A2", "B1", "B2", "M")

@@ -10,12 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import surface_radius, wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.stress_node import StressNode
 from wheelset_track_sim.wheelset.stress_points import around_axle, on_axle
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 LOAD = 98.1e3
 ANGLES = {"T": 0.0, "F": np.pi / 2, "B": np.pi, "S": 0.7}

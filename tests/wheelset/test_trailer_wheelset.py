@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.timoshenko import element_matrices
 from wheelset_track_sim.track.track import Beam
 from wheelset_track_sim.wheelset.harmonic_elements import solid_mass
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 MIRRORED = np.array([1, 1, 1, -1, 1, -1])
 """Signs of xx, yy, zz, xy, xz, yz in a mirror across y."""

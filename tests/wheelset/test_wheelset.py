@@ -9,8 +9,8 @@ import yaml
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.wheelset.kinds import load_any_wheelset
-from wheelset_track_sim.wheelset.wheelset import Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, read_wheelset
+from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def test_mapping_file_and_name_agree(x40: Wheelset, plain: dict[str, Any], tmp_p
     path.write_text(yaml.safe_dump(plain), encoding="utf-8")
     assert load_wheelset(plain) == x40
     assert load_wheelset(path) == x40
-    assert load_wheelset(x40) is x40
+    assert read_wheelset(x40, "wheelset") is x40
     assert [node.name for node in x40.stress_nodes] == ["A1", "B1", "C1"]
 
 
@@ -79,7 +79,7 @@ def test_bad_input_is_refused(plain: dict[str, Any], path: str, value: Any, mess
 
 @pytest.mark.parametrize("name", shipped.names("wheelsets"))
 def test_shipped_wheelsets_can_be_used(name: str) -> None:
-    assert load_any_wheelset(name).name == name
+    assert load_wheelset(name).name == name
 
 
 def test_fillets_of_the_x40(x40: Wheelset) -> None:

@@ -7,13 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from wheelset_track_sim.contact import ContactGeometry, HertzContact, Pair, RailHead, build_contact_law, solve_patch
+from wheelset_track_sim.contact import (
+    ContactGeometry,
+    HertzContact,
+    ProfilePair,
+    RailHead,
+    build_contact_law,
+    solve_patch,
+)
 from wheelset_track_sim.contact.law import ELEMENT_WIDTH
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.irregularities import Breakout
 
 from .page import exponent, paragraphs, table
-from .store import recall, this_module
+from .store import recall
 
 GRIDS = ((1e-3, 1e-3), (1e-3, ELEMENT_WIDTH), (5e-4, 5e-4))
 """Lengths and widths of elements, m; the second is what the software runs on."""
@@ -37,7 +44,7 @@ def missing() -> list[str]:
 def _hertz() -> Any:
     rows = []
     for name, head in (("R300", RailHead(radii=(0.3,), ends=(0.036,))), ("60E1", RailHead())):
-        geometry = ContactGeometry(pairs=(Pair(rail=head),) * 2)
+        geometry = ContactGeometry(pairs=(ProfilePair(rail=head),) * 2)
         theory = HertzContact(geometry.wheel_radius, 0.3, geometry.contact_modulus)
         for dx, dy in GRIDS:
             law = build_contact_law([], geometry, dx, round(2.713 / dx), dy=dy, tables=False)
@@ -75,9 +82,8 @@ def _half_spaces() -> Any:
 
 def section() -> str:
     """Text of the section."""
-    here = this_module(__name__)
-    hertz = recall("hertz", [FORCES], _hertz, here)
-    spaces = recall("half-spaces", [[name, tread] for name, _, tread in DEFECTS], _half_spaces, here)
+    hertz = recall("hertz", [FORCES], _hertz)
+    spaces = recall("half-spaces", [[name, tread] for name, _, tread in DEFECTS], _half_spaces)
     near = [
         [f"{name}, {dx * 1e3:g} × {dy * 1e3:g} mm", force / 1e3, pressure / 1e9, 100 * of_force, 100 * of_pressure]
         for name, dx, dy, force, of_force, of_pressure, pressure in hertz

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wheelset_track_sim.dynamics.causal import CausalModel
 from wheelset_track_sim.dynamics.hold import hold_coefficients
 from wheelset_track_sim.dynamics.moving_green_functions import moving_green_functions
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.track import bloch
 from wheelset_track_sim.track.track import Track, load_track
@@ -21,7 +21,7 @@ from .figures import impact_figure
 from .load_cases import printed as printed_value
 from .page import number, paragraphs, table
 from .runs import Passage, must, passage
-from .store import recall, this_module
+from .store import recall
 
 Real = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def lost(track: Track, band: float, place: float) -> dict[str, Any]:
         before = green[samples // 2 :]
         return {"early": green[-60:].tolist(), "first": float(green[0]), "lost": float(before.sum() * dt)}
 
-    found: dict[str, Any] = recall("band", [track, band, place], compute, this_module(__name__))
+    found: dict[str, Any] = recall("band", [track, band, place], compute)
     return found
 
 
@@ -96,7 +96,7 @@ def ring_green(start: int, steps: int) -> list[float]:
                 state = state * np.exp(modes.poles * dt)
         return (answer / dt).tolist()
 
-    found: list[float] = recall("ring-green", [start, steps], compute, this_module(__name__))
+    found: list[float] = recall("ring-green", [start, steps], compute)
     return found
 
 
@@ -108,7 +108,7 @@ def moving(band: float, fold: bool, start: int, steps: int) -> list[float]:
         functions = moving_green_functions(track, speed, 1e-3, max_frequency=band, fold=fold)
         return functions.direct[start * len(functions.direct) // 600, :steps].tolist()
 
-    found: list[float] = recall("moving-green", [band, fold, start, steps], compute, this_module(__name__))
+    found: list[float] = recall("moving-green", [band, fold, start, steps], compute)
     return found
 
 

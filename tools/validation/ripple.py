@@ -10,19 +10,17 @@ import numpy as np
 
 from wheelset_track_sim.contact import approach_for_force
 from wheelset_track_sim.dynamics.paper import PaperModel
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 from wheelset_track_sim.track import bloch
-from wheelset_track_sim.track.track import load_track
 from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
-from . import sampled
 from .figures import ripple_figure
 from .load_cases import printed
 from .page import number, paragraphs, table
 from .runs import Passage, must, passage, shared_models
 from .sampled import Sampling, deflection_ripple, settling_briefly
-from .store import recall, this_module
+from .store import recall
 
 PAPER = "dynamics=paper"
 SMOOTH, DAMAGED = "undamaged", "damage_wheel_1"
@@ -105,9 +103,7 @@ GROUPS = (
 
 def experiment(case: str, made: Experiment) -> Passage | None:
     """Passage in paper dynamics with the moving functions of an experiment."""
-    return passage(
-        case, [PAPER], alter=made.sampling.applied, key=made.sampling, within=settling_briefly, sources=[sampled]
-    )
+    return passage(case, [PAPER], alter=made.sampling.applied, key=made.sampling, within=settling_briefly)
 
 
 def _ripple_of_deflection(made: Experiment) -> float:
@@ -117,7 +113,7 @@ def _ripple_of_deflection(made: Experiment) -> float:
         assert isinstance(model, PaperModel)
         return deflection_ripple(model, made.sampling, scenario.step_length, scenario.speed, scenario.wheel_load)
 
-    found: float = recall("deflection", made.sampling, compute, sampled)
+    found: float = recall("deflection", made.sampling, compute)
     return found
 
 
@@ -193,14 +189,14 @@ def _resonance() -> dict[str, float]:
         wide = f[gain > gain.max() / np.sqrt(2)]
         return {"frequency": float(f[gain.argmax()]), "width": float(np.ptp(wide))}
 
-    found: dict[str, float] = recall("unsprung-mass", 1, compute, this_module(__name__))
+    found: dict[str, float] = recall("unsprung-mass", 1, compute)
     return found
 
 
 def _intro(runs: Sequence[Passage], ours: Passage, static_a1: float, slope: float) -> str:
     largest = max(runs, key=lambda run: run.largest[0])
     at, scenario = SPEEDS[list(runs).index(largest)], load_scenario(SMOOTH)
-    passing, resonance = scenario.speed / load_track(scenario.track).spacing, _resonance()
+    passing, resonance = scenario.speed / scenario.track.spacing, _resonance()
     load, wanted = scenario.wheel_load / 1e3, printed(0, "largest", 0) or 0.0
     return (
         f"Both dynamics give {number(ours.largest[0])} and {number(ours.largest[1])} kN (static: {number(load)}) from "

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,11 @@ from wheelset_track_sim.dynamics.interface_kernels import advance, displacements
 from wheelset_track_sim.errors import ContactError
 from wheelset_track_sim.runtime.cache import digest
 from wheelset_track_sim.samples.principal import maximum_principal
-from wheelset_track_sim.scenario.scenario import Scenario, load_scenario
+from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import CHANGEABLE, Simulator
 
-from .store import recall, this_module
+from .store import recall
 
 Real = NDArray[np.float64]
 Alter = Callable[[Scenario, Models], Models]
@@ -64,12 +63,11 @@ def passage(
     key: Any = None,
     within: Callable[[], AbstractContextManager[Any]] = nullcontext,
     tables: bool = True,
-    sources: Sequence[ModuleType] = (),
 ) -> Passage | None:
     """Passage of a shipped scenario with ``key=value`` changes; None if it does not run to its end.
 
     ``alter`` changes the models before the run, ``within`` is entered around building and running; ``key`` names both
-    for the store, which also counts the ``sources`` they stand in.
+    for the store.
     """
 
     def compute() -> Any:
@@ -83,7 +81,9 @@ def passage(
             except ContactError:
                 return None
 
-    found = recall("passage", [name, list(changes), key, tables], compute, this_module(__name__), *sources)
+    found = recall(
+        "passage", [name, list(changes), key, tables], compute, alter, None if within is nullcontext else within
+    )
     return None if found is None else Passage(**found)
 
 

@@ -19,7 +19,7 @@ from wheelset_track_sim.dynamics.green_functions import green_function, integrat
 from wheelset_track_sim.dynamics.moving_green_functions import moving_green_functions
 from wheelset_track_sim.dynamics.paper import PaperModel
 from wheelset_track_sim.dynamics.paper_kernels import Paper
-from wheelset_track_sim.scenario.scenario import Scenario
+from wheelset_track_sim.scenario import Scenario
 from wheelset_track_sim.simulation import simulator
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.track.bloch import bloch_track
@@ -175,10 +175,9 @@ class SampledModel:
         """As of the model, s."""
         return self.model.longest_run
 
-    @property
-    def longest_step(self) -> float:
-        """As of the model, s."""
-        return self.model.longest_step
+    def copied(self, dynamics: Any) -> Any:
+        """As of the model."""
+        return self.model.copied(dynamics)
 
     @cached_property
     def static(self) -> Real:

@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 import json
-import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from wheelset_track_sim import contact, green, irregularities, simulation, stress, structures
 from wheelset_track_sim.runtime.cache import digest
-from wheelset_track_sim.scenario.scenario import scenario
+from wheelset_track_sim.runtime.sources import program
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "results" / "validation"
-PHYSICS: tuple[ModuleType, ...] = (contact, green, irregularities, scenario, simulation, stress, structures)
 
 
-def recall(what: str, inputs: Any, compute: Callable[[], Any], *sources: ModuleType) -> Any:
+def recall(what: str, inputs: Any, compute: Callable[[], Any], *others: Callable[..., Any] | None) -> Any:
     """What ``compute`` returns (plain numbers, text, lists and mappings), stored or computed and then stored.
 
-    ``sources`` are the modules of this program that the result depends on, beside all of the package's physics.
+    A stored result counts as long as ``inputs`` and the sources of ``compute`` and of all ``others`` that it calls are
+    the same: their modules with all that these import.
     """
-    path = FOLDER / f"{what}-{digest(inputs, *PHYSICS, *sources)[:16]}.json"
+    programs = [program(_plain(function).__module__) for function in (compute, *others) if function is not None]
+    path = FOLDER / f"{what}-{digest([inputs, programs])[:16]}.json"
     if path.exists():
         return json.loads(path.read_text())
     print(f"{what}: {_short(inputs)} ...", end="", flush=True)
@@ -38,9 +37,8 @@ def recall(what: str, inputs: Any, compute: Callable[[], Any], *sources: ModuleT
     return json.loads(path.read_text())
 
 
-def this_module(name: str) -> ModuleType:
-    """Module by its ``__name__``."""
-    return sys.modules[name]
+def _plain(function: Callable[..., Any]) -> Callable[..., Any]:
+    return _plain(function.func) if isinstance(function, partial) else function
 
 
 def _short(inputs: Any) -> str:

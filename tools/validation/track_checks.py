@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.signal import argrelmax, argrelmin
 
 from wheelset_track_sim.dynamics.causal import causal_model
-from wheelset_track_sim.scenario.scenario import Scenario
+from wheelset_track_sim.scenario import Scenario
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.track import bay, bloch
 from wheelset_track_sim.track import finite_elements as track_fe
@@ -24,7 +24,7 @@ from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.track.track import Half, Track, load_track
 from wheelset_track_sim.wheelset.reduction import reduced_wheelset
 
-from .store import recall, this_module
+from .store import recall
 
 Real = NDArray[np.float64]
 
@@ -153,14 +153,14 @@ def ballast(law: Callable[[Real], Real]) -> Iterator[None]:
 
 def resonances() -> Any:
     """Frequencies, Hz, and static receptances, m/N, by Bloch waves."""
-    return recall("resonances", [TRACK], _resonances, this_module(__name__))
+    return recall("resonances", [TRACK], _resonances)
 
 
 def methods() -> Any:
     """Finite elements against Bloch waves."""
-    return recall("track-methods", [TRACK], _methods, this_module(__name__))
+    return recall("track-methods", [TRACK], _methods)
 
 
 def rings() -> Any:
     """Rings against Bloch waves, by bands."""
-    return recall("ring", RINGS, _ring, this_module(__name__))
+    return recall("ring", RINGS, _ring)

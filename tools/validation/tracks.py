@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from . import track_checks
 from .page import exponent, paragraphs, table
 from .runs import Passage, must, passage
 from .track_checks import (
@@ -27,13 +26,12 @@ def _open() -> list[tuple[str, Passage, Passage]]:
     """What the paper leaves open: label, passage without and with damage."""
     cases: list[tuple[str, dict[str, Any]]] = [("as shipped", {})]
     cases += [(f"sleeper length {length} m", {"changes": [f"track.sleeper.length={length}"]}) for length in (2.4, 2.6)]
-    here = [track_checks]
     for label, law in (("ballast: equal springs at the nodes", even_springs), ("ballast: none within 0.4 m", tamped)):
-        cases.append((label, {"within": partial(ballast, law), "key": law.__name__, "sources": here}))
+        cases.append((label, {"within": partial(ballast, law), "key": law.__name__}))
     for bays, limit in RINGS:
         if (bays, limit) != (80, 5000.0):
             label = f"ring of {bays} bays, modes to {limit / 1e3:g} kHz"
-            cases.append((label, {"alter": partial(with_ring, bays, limit), "key": [bays, limit], "sources": here}))
+            cases.append((label, {"alter": partial(with_ring, bays, limit), "key": [bays, limit]}))
     for variant in ("wheel_residual", "zero"):
         cases.append((f"lag zero: `{variant}`", {"changes": [f"lag_zero={variant}"]}))
     return [(label, must(passage("undamaged", **how)), must(passage("damage_wheel_1", **how))) for label, how in cases]

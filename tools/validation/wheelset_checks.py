@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from wheelset_track_sim.samples.principal import maximum_principal
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset, reduced_wheelset
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
 from wheelset_track_sim.wheelset.stress_points import around_axle
-from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset, load_wheelset
+from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset
 
-from .store import ROOT, recall, this_module
+from .store import ROOT, recall
 
 Real = NDArray[np.float64]
 
@@ -69,7 +70,7 @@ def facts(changes: tuple[str, ...] = ()) -> dict[str, Any]:
         scenario = load_scenario("undamaged", [f"wheelset.{change}" for change in changes])
         return _facts(reduced_wheelset(load_wheelset(scenario.wheelset)))
 
-    found: dict[str, Any] = recall("wheelset", list(changes), compute, this_module(__name__))
+    found: dict[str, Any] = recall("wheelset", list(changes), compute)
     return found
 
 
@@ -137,14 +138,14 @@ def _bricks() -> Any:
 
 def fine() -> Any:
     """Facts of the X40 on a mesh of half the size."""
-    return recall("wheelset-fine", 2, _fine, this_module(__name__))
+    return recall("wheelset-fine", 2, _fine)
 
 
 def elements() -> Any:
     """Static stresses by the finite elements."""
-    return recall("wheelset-elements", 1, _elements, this_module(__name__))
+    return recall("wheelset-elements", 1, _elements)
 
 
 def compared_with_bricks() -> Any:
     """Modes and statics of both models."""
-    return recall("bricks", SECTORS, _bricks, this_module(__name__))
+    return recall("bricks", SECTORS, _bricks)

@@ -5,42 +5,39 @@ from __future__ import annotations
 import errno
 import os
 from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
 from io import FileIO
 from pathlib import Path
 
-from .. import __version__
-from .definitions import full_name, schema
-from .mcap.writer import McapFile
-from .messages import Message
-from .rosbag2_metadata import LATCHED_TOPICS, Part, Topic
-from .run_info import METADATA_NAME, RunInfo
+from ..version import __version__
+from .folder_metadata import BagPart
+from .mcap.writer import McapWriter
+from .topics import Topic
 
 NO_DISK = (errno.EINVAL, errno.ENOTSUP)
-"""Errors that tell that there is nothing which could be waited for."""
+"""Errors of a stream that is no file on a disk: there is nothing to wait for."""
 
 
 class BagFile:
-    """An MCAP file of ROS messages that says of which run it is; all methods raise OSError if the disk refuses."""
+    """An MCAP file of ROS messages; all methods raise OSError if the disk refuses."""
 
-    def __init__(self, path: Path, info: RunInfo, prefix: str, begin_ns: int) -> None:
-        """Create ``path``, which must not exist; ``prefix`` stands before the topics."""
+    def __init__(self, path: Path, begin_ns: int, records: Mapping[str, Mapping[str, str]]) -> None:
+        """Create ``path``, which must not exist, with ``records`` of metadata by name."""
         self.path = path
         self.begin_ns = begin_ns
         """Time stamp of the first message, ns; ``begin_ns`` before there is one."""
-        self.topics: dict[str, Topic] = {}
-        """By the names of messages, in the order in which they came."""
-        self._prefix = prefix
         self._stream = FileIO(path, "xb")
         try:
-            self._mcap = McapFile(self._stream, "ros2", f"wheelset_track_sim {__version__}")
-            self._mcap.add_metadata(METADATA_NAME, info.to_metadata())
+            self._mcap = McapWriter(self._stream, "ros2", f"wheelset_track_sim {__version__}")
+            for name, record in records.items():
+                self._mcap.add_metadata(name, record)
         except OSError:
             self._stream.close()
             path.unlink(missing_ok=True)
             raise
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[str, int] = {}
+        self._schemas: dict[tuple[str, bytes], int] = {}
+        self._channels: dict[Topic, int] = {}
         self._sequence: Counter[int] = Counter()
 
     @property
@@ -50,7 +47,7 @@ class BagFile:
 
     @property
     def bound(self) -> int:
-        """Bytes that it has at most if it is finished now."""
+        """Largest size, bytes, if it is finished now."""
         return self._mcap.bound
 
     @property
@@ -59,29 +56,43 @@ class BagFile:
         return self._mcap.holds_messages
 
     @property
-    def part(self) -> Part:
-        """What is written."""
+    def part(self) -> BagPart:
+        """Everything written so far."""
         found = self._mcap.statistics()
-        names = {self._channels[topic]: item.name for topic, item in self.topics.items()}
-        counts = {names[number]: count for number, count in found.channel_message_counts.items()}
-        times = (found.message_start_time, found.message_end_time) if counts else (self.begin_ns, self.begin_ns)
-        return Part(self.path.name, *times, counts, self.size)
+        counts: Counter[str] = Counter()
+        for topic, channel in self._channels.items():
+            counts[topic.name] += found.channel_message_counts.get(channel, 0)
+        times = (found.message_start_time, found.message_end_time) if counts.total() else (self.begin_ns,) * 2
+        return BagPart(self.path.name, *times, counts, self.size)
 
-    def add(self, message: Message) -> None:
-        """Take in a message; it is written with the next ``flush``."""
-        channel = self._channels.get(message.topic) or self._register(message)
+    def add(
+        self,
+        topic: Topic,
+        time_ns: int,
+        cdr: bytes | memoryview,
+        *,
+        sequence: int | None = None,
+        published_ns: int | None = None,
+    ) -> None:
+        """Take a message, which is written with the next ``flush``.
+
+        Without ``sequence`` it has the next number of its topic, without ``published_ns`` it was published at
+        ``time_ns``.
+        """
+        channel = self._channels.get(topic) or self._register(topic)
         if not self.holds_messages:
-            self.begin_ns = message.stamp_ns
-        self._mcap.add_message(channel, message.stamp_ns, self._sequence[channel], message.cdr)
+            self.begin_ns = time_ns
+        number = self._sequence[channel] if sequence is None else sequence
+        self._mcap.add_message(channel, time_ns, number, cdr, published=published_ns)
         self._sequence[channel] += 1
 
     def flush(self) -> None:
-        """Hand all messages over to the operating system: there they outlive this process."""
+        """Hand all messages over to the operating system, where they outlive this process."""
         self._mcap.flush()
         self._require_name()
 
     def sync(self) -> None:
-        """Wait until what was handed over is on the disk: there it outlives a power failure."""
+        """Wait until everything flushed is on the disk, where it outlives a power failure."""
         try:
             os.fdatasync(self._stream.fileno())
         except OSError as reason:
@@ -89,30 +100,29 @@ class BagFile:
                 raise
 
     def finish(self) -> None:
-        """Write what is at hand and the index, and close; finishing again does nothing."""
+        """Write the messages at hand and the index, and close; finishing again does nothing."""
         if not self._stream.closed:
             self._mcap.finish()
             self._require_name()
             self._stream.close()
 
     def abandon(self) -> None:
-        """Close where the disk refuses: the index may find the room that the last chunk did not."""
+        """Close after the disk refused: the index may fit where the last chunk did not."""
         with suppress(OSError):
             self.finish()
         with suppress(OSError):
             self._stream.close()
 
     def _require_name(self) -> None:
-        """Raise OSError if the file has no name any more: its bytes would go to nowhere without a word."""
+        """Raise OSError if the file has been removed: its bytes would be lost without an error."""
         if os.fstat(self._stream.fileno()).st_nlink == 0:
             raise FileNotFoundError(errno.ENOENT, f"{self.path.name} has been removed")
 
-    def _register(self, message: Message) -> int:
+    def _register(self, topic: Topic) -> int:
         """Number of the channel of a new topic."""
-        kind = message.kind
-        if kind not in self._schemas:
-            self._schemas[kind] = self._mcap.add_schema(full_name(kind), "ros2msg", schema(kind).encode())
-        topic = Topic.of(f"{self._prefix}/{message.topic}", kind, latched=message.topic in LATCHED_TOPICS)
-        channel = self._mcap.add_channel(topic.name, "cdr", self._schemas[kind], topic.metadata)
-        self.topics[message.topic], self._channels[message.topic] = topic, channel
+        of = topic.type, topic.definition
+        if of not in self._schemas:
+            self._schemas[of] = self._mcap.add_schema(topic.type, topic.encoding, topic.definition)
+        channel = self._mcap.add_channel(topic.name, topic.message_encoding, self._schemas[of], topic.metadata)
+        self._channels[topic] = channel
         return channel

@@ -2,37 +2,108 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from contextlib import ExitStack, suppress
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from shutil import rmtree
+from types import TracebackType
+from typing import TYPE_CHECKING
 
 from ..errors import InputError, RecordingError
+from ..samples.block import SampleBlock
+from ..samples.impacts import Impact
+from ..samples.summary import Summary
+from ..samples.turns import NO_TURN, TurnPeaks
 from .bag_file import BagFile
-from .inputs import Input
-from .messages import Message, state_again
-from .rosbag2_metadata import METADATA, Part, Topic, write_folder_metadata
-from .run_info import RunInfo
+from .folder_metadata import METADATA, BagPart, write_folder_metadata
+from .messages import Message, State, chunk_messages, impact_message, state_again, state_message
+from .run_info import METADATA_NAME, Input, RunInfo
 from .settings import RecordSettings
-from .writer import PREFIX, Writer, creating
+from .topics import Topic, topic_of_node
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+PREFIX = "/wheelset_track_sim"
 CHUNK_PERIOD_NS = 100_000_000
-"""A chunk of the file is closed when it holds this time of the run: what a crash can lose."""
+"""A chunk of the file is closed when it holds this time of the run, which a crash can lose."""
 SECOND_NS = 1_000_000_000
 STATE = "SimulationState"
 BEGINNINGS = {"ContactForces", STATE}
 """Messages that a file of a bag may begin with."""
 
 
+class Writer(ABC):
+    """A context manager that leaves a readable bag, also after an exception; only one thread may write.
+
+    An exception before the first message leaves nothing behind.
+    """
+
+    path: Path
+    start_ns: int
+    """Time stamp of step 0, ns since the epoch."""
+
+    @abstractmethod
+    def write_messages(self, messages: Iterable[Message]) -> None:
+        """Record messages that belong together: a chunk with its impacts, or a state.
+
+        Raises RecordingError if the disk refuses; the bag is finished then, as far as the disk allows.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Finish; closing again does nothing. Raises RecordingError if the disk refuses."""
+
+    @abstractmethod
+    def remove_if_empty(self) -> None:
+        """Remove a closed bag without messages."""
+
+    def write(
+        self,
+        block: SampleBlock,
+        *,
+        summary: Summary | None = None,
+        turn: TurnPeaks = NO_TURN,
+        impacts: Iterable[Impact] = (),
+        real_time_factor: float = math.nan,
+        lag: float = 0.0,
+    ) -> None:
+        """Record one block with the ``impacts`` that ended in it; RecordingError if the disk refuses.
+
+        ``summary`` is that of the block if it is known already, ``turn`` the last complete turn of the wheels.
+        """
+        chunk = chunk_messages(
+            block, self.start_ns, real_time_factor=real_time_factor, lag=lag, summary=summary, turn=turn
+        )
+        self.write_messages([*chunk, *(impact_message(impact, self.start_ns) for impact in impacts)])
+
+    def write_state(self, state: State) -> None:
+        """Record what is simulated from a step on: at the start, and at every revision."""
+        self.write_messages([state_message(state, self.start_ns)])
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if error is None:
+            self.close()
+            return
+        with suppress(RecordingError):  # the first error is the one to report
+            self.close()
+        self.remove_if_empty()
+
+
 class BagWriter(Writer):
-    """One bag while it is written; a context manager that leaves a readable bag, also after an exception.
+    """One bag while it is written.
 
-    A path that ends in ``.mcap`` is one file, any other a bag folder with ``metadata.yaml`` and files, each of which
-    begins with the state and can be read alone: ``split`` begins another one, and so do the bounds in ``settings``. An
-    exception before the first message leaves nothing behind.
-
-    What is written is at the operating system within 0.1 s of the run: it outlives the process. ``sync`` makes it
-    outlive a power failure.
+    A path that ends in ``.mcap`` is one file. Any other path is a bag folder with ``metadata.yaml`` and files, each of
+    which begins with the state and can be read alone; ``split`` begins another one, and so do the bounds in
+    ``settings``. Messages reach the operating system within 0.1 s of the run, and then outlive the process; ``sync``
+    makes them outlive a power failure.
     """
 
     def __init__(
@@ -47,18 +118,19 @@ class BagWriter(Writer):
     ) -> None:
         """Create the bag; ``start_ns`` is the time stamp of step 0, ns since the epoch.
 
-        ``state`` holds already where the bag begins, and is told there if no other is. Raises InputError if the path
-        exists or cannot be written, or is a single file that ``settings`` would split.
+        ``state`` is in force where the bag begins, and is repeated there unless another one comes first. Raises
+        InputError if the path exists or cannot be written, or is a single file that ``settings`` would split.
         """
-        super().__init__(Path(path), start_ns)
+        self.path, self.start_ns = Path(path), start_ns
         self.prefix = prefix.rstrip("/")
         self._info = info
         self._settings = settings or RecordSettings()
+        self._splits = self._settings.splits
         self._folder = None if self.path.suffix == ".mcap" else self.path
-        if self._folder is None and self._settings.splits:
+        if self._folder is None and self._splits:
             raise InputError(f"{self.path} is a single file, which cannot be split: give a folder, without .mcap")
-        self._topics: dict[str, Topic] = {}
-        self._parts: list[Part] = []  # that are finished
+        self._topics: dict[str, Topic] = {}  # by the names of messages
+        self._parts: list[BagPart] = []  # that are finished
         self._number = 0
         self._flushed_ns = self._end_ns = start_ns
         self._state = state
@@ -71,30 +143,26 @@ class BagWriter(Writer):
             else:
                 self._folder.mkdir(parents=True)
                 undo.callback(rmtree, self._folder, ignore_errors=True)
-            self._file = BagFile(self._path_of(0), info, self.prefix, start_ns)
+            self._file = self._new_file(0)
             undo.callback(self._file.abandon)
             self._write_folder_metadata()
             undo.pop_all()
 
     @property
     def file(self) -> Path:
-        """The file at hand."""
+        """The current file."""
         return self._file.path
 
     @property
     def bound(self) -> int:
-        """Bytes of its files, those at most if it is closed now."""
-        return self._finished_size + (self._file.bound if self._open else self._file.size)
+        """Largest size of its files, bytes, if it is closed now."""
+        return sum(part.size for part in self._parts) + (self._file.bound if self._open else self._file.size)
 
     def write_messages(self, messages: Iterable[Message]) -> None:
-        """Record messages that belong together; they stay in one chunk of the file.
-
-        Raises RecordingError if the disk refuses; the bag is finished then, as far as the disk lets.
-        """
-        self._require_open()
+        """Record messages that belong together; they stay in one chunk of the file."""
         together = [*messages]
-        size = sum(len(message.cdr) for message in together)  # all are made before one is taken in: a Ctrl-C parts none
-        try:
+        size = sum(len(message.cdr) for message in together)  # serialise all before one is taken: a Ctrl-C parts none
+        with self._disk():
             if together and together[0].kind in BEGINNINGS:
                 self._make_room(together[0].stamp_ns, size)
             for message in together:
@@ -102,68 +170,55 @@ class BagWriter(Writer):
             if self._end_ns - self._flushed_ns >= CHUNK_PERIOD_NS:
                 self._file.flush()
                 self._flushed_ns = self._end_ns
-        except OSError as reason:
-            raise self._refused(reason) from reason
 
     def gap(self, note: str) -> None:
-        """Tell that what comes next does not follow what is written; it goes into another file if the bag is a folder.
+        """Mark a gap before the next messages; they go into another file if the bag is a folder.
 
-        The state is told again there, with the ``note``. Raises RecordingError if the disk refuses.
+        The state is repeated there, with the ``note``. Raises RecordingError if the disk refuses.
         """
         self._note = note
         if self._folder is not None and self._file.holds_messages:
             self.split()
 
     def split(self) -> Path:
-        """Finish the file at hand and go on in the next one of the folder, which is returned.
+        """Finish the current file and continue in the next one of the folder, which is returned.
 
-        Raises InputError, and goes on as before, if the bag is no folder or the file at hand is empty; RecordingError
-        if the disk refuses.
+        Raises InputError, and continues as before, if the bag is no folder or the current file is empty;
+        RecordingError if the disk refuses.
         """
-        self._require_open()
-        if self._folder is None:
-            raise InputError(f"{self.path} is a single file, which cannot be split: record into a folder")
-        if not self._file.holds_messages:
-            raise InputError(f"{self.file} holds nothing yet: split it later")
-        try:
+        with self._disk():
+            if self._folder is None:
+                raise InputError(f"{self.path} is a single file, which cannot be split: record into a folder")
+            if not self._file.holds_messages:
+                raise InputError(f"{self.file} holds nothing yet: split it later")
             self._next_file()
-        except OSError as reason:
-            raise self._refused(reason) from reason
         return self.file
 
     def snapshot(self) -> Path:
-        """Raises InputError: everything is in the bag."""
+        """Raise InputError: the bag holds everything."""
         raise InputError(f"{self.path} holds everything: record in snapshot mode to take snapshots")
 
     def sync(self) -> None:
-        """Wait until all that is at the operating system is on the disk, so that a power failure does not take it.
-
-        Raises RecordingError if the disk refuses.
-        """
-        self._require_open()
-        try:
+        """Wait until everything at the operating system is on the disk; RecordingError if the disk refuses."""
+        with self._disk():
             self._file.sync()
-        except OSError as reason:
-            raise self._refused(reason) from reason
 
     def close(self) -> None:
-        """Finish the bag; closing again does nothing. Raises RecordingError if the disk refuses."""
+        """Finish the bag."""
         if not self._open:
             return
-        try:
+        with self._disk():
             self._file.finish()
             self._write_folder_metadata()
-        except OSError as reason:
-            raise self._refused(reason) from reason
         self._open = False
 
     def remove_if_empty(self) -> None:
-        """Remove the bag, which is closed, if it holds nothing."""
+        """Remove a closed bag without messages."""
         if not self._topics:
             self.remove()
 
     def remove(self) -> None:
-        """Remove all files of the bag, which is closed, and its folder if there is nothing else in it."""
+        """Remove all files of a closed bag, and its folder unless it holds other files."""
         if self._folder is None:
             self.file.unlink(missing_ok=True)
             return
@@ -172,30 +227,25 @@ class BagWriter(Writer):
         with suppress(OSError):
             self._folder.rmdir()
 
-    def _require_open(self) -> None:
-        if not self._open:
-            raise RecordingError(f"{self.path} is closed: nothing more can be recorded in it")
-
     def _path_of(self, number: int) -> Path:
         return self.path if self._folder is None else self._folder / f"{self.path.name}_{number}.mcap"
 
-    @property
-    def _finished_size(self) -> int:
-        return sum(part.size for part in self._parts)
+    def _new_file(self, number: int) -> BagFile:
+        return BagFile(self._path_of(number), self._end_ns, {METADATA_NAME: self._info.to_metadata()})
 
     def _next_file(self) -> None:
         before = self._file
         before.finish()
-        self._file = BagFile(self._path_of(self._number + 1), self._info, self.prefix, self._end_ns)
+        self._file = self._new_file(self._number + 1)
         self._number += 1
         self._parts.append(before.part)
         self._state_due = True
         self._write_folder_metadata()
 
     def _make_room(self, stamp_ns: int, more: int) -> None:
-        """Go on in another file, and remove the oldest ones, where the bounds ask for it before ``more`` bytes."""
+        """Begin another file, and remove the oldest ones, if the bounds require it before ``more`` bytes."""
         settings = self._settings
-        if not settings.splits:
+        if not self._splits:
             return
         full = 0 < settings.file_size < self._file.bound + more
         long = 0 < settings.max_duration * SECOND_NS <= stamp_ns - self._file.begin_ns
@@ -207,17 +257,19 @@ class BagWriter(Writer):
             self._path_of(0).with_name(oldest.name).unlink(missing_ok=True)
 
     def _add(self, message: Message) -> None:
-        if message.kind == STATE:  # what the next file begins with
+        if message.kind == STATE:  # the next file begins with it
             self._state, self._state_due, of = message, False, message.fields
             self._info = self._info.with_input(Input(of["revision"], of["first_step"], of["scenario"]))
         elif (self._state_due or self._note) and message.kind in BEGINNINGS:
-            self._tell_state(message)
-        self._file.add(message)
-        self._topics.setdefault(message.topic, self._file.topics[message.topic])
+            self._repeat_state(message)
+        topic = self._topics.get(message.topic)
+        if topic is None:
+            topic = self._topics[message.topic] = topic_of_node(self.prefix, message.topic, message.kind)
+        self._file.add(topic, message.stamp_ns, message.cdr)
         self._end_ns = max(self._end_ns, message.end_ns)
 
-    def _tell_state(self, chunk: Message) -> None:
-        """Tell the state again before a chunk that a file begins with."""
+    def _repeat_state(self, chunk: Message) -> None:
+        """Repeat the state before the first chunk of a file."""
         again = state_again(self._state, chunk, self._note) if self._state is not None else None
         self._note, self._state_due = "", False
         if again is not None:
@@ -227,11 +279,32 @@ class BagWriter(Writer):
         if self._folder is not None:
             write_folder_metadata(self._folder, [*self._parts, self._file.part], [*self._topics.values()])
 
-    def _refused(self, reason: OSError) -> RecordingError:
-        self._open = False
-        self._file.abandon()
-        with suppress(OSError):
-            self._write_folder_metadata()
-        return RecordingError(
-            f"{self.path} cannot be written further ({reason.strerror}): free space or give another path"
-        )
+    @contextmanager
+    def _disk(self) -> Iterator[None]:
+        """Require that the bag is open; finish it, as far as the disk allows, if the disk refuses."""
+        if not self._open:
+            raise RecordingError(f"{self.path} is closed: nothing more can be recorded in it")
+        try:
+            yield
+        except OSError as reason:
+            self._open = False
+            self._file.abandon()
+            with suppress(OSError):
+                self._write_folder_metadata()
+            raise RecordingError(
+                f"{self.path} cannot be written further ({reason.strerror}): free space or give another path"
+            ) from reason
+
+
+@contextmanager
+def creating(path: Path) -> Iterator[None]:
+    """Turn any error that prevents creating ``path`` into an InputError in one line."""
+    try:
+        yield
+    except OSError as reason:
+        if isinstance(reason, FileExistsError) and path.exists():
+            refusal = f"{path} exists already: give another path, or remove it first"
+        else:
+            why = "not a folder on the way" if isinstance(reason, FileExistsError) else reason.strerror
+            refusal = f"{path} cannot be written ({why}): give a path in a folder that can be written"
+        raise InputError(refusal) from None

@@ -1,4 +1,4 @@
-"""A writer in a thread of its own: who records waits for no disk."""
+"""A writer in a thread of its own, so that a run does not wait for the disk."""
 
 from __future__ import annotations
 
@@ -10,32 +10,33 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import InputError, RecordingError
-from .bag_writer import STATE
+from .bag_writer import STATE, BagWriter
 from .messages import Message
-from .snapshots import IMPACT
-from .writer import Writer
+from .snapshots import IMPACT, SnapshotWriter
 
 T = TypeVar("T")
 
 SYNC_PERIOD = 1.0
-"""Wall time after which what is written is put on the disk, s: what a power failure can cost."""
+"""Wall time between two waits for the disk, s, which a power failure can cost."""
 SMALL = {STATE, IMPACT}
-"""Messages that are not lost while ``RESERVE`` lasts, though samples are."""
+"""Messages that are kept when samples are lost, until ``RESERVE`` is used up."""
 RESERVE = 1_000_000
-"""Bytes that they have beyond the buffer's size."""
+"""Bytes for them beyond the size of the buffer."""
 
 
 class BufferedWriter:
-    """Gives a writer what it gets, in its order; methods may be called from any thread, and wait for no disk.
+    """Passes messages on to a writer in their order; methods may be called from any thread, and do not wait for a disk.
 
-    What is given while ``size`` bytes wait already is lost: samples, not states or impacts. When half of the buffer is
-    free again it goes on behind a gap. What the disk refuses ends it, and what is given then is lost as well.
+    While ``size`` bytes wait for the disk, further samples are lost, but no states or impacts. When half of the buffer
+    is free again, recording continues after a gap. If the disk refuses, recording ends.
     """
 
-    def __init__(self, writer: Writer, size: int, tell: Callable[[RecordingError, bool], None]) -> None:
-        """``tell`` gets, in any thread, what is lost and why, and whether that was the end."""
+    def __init__(
+        self, writer: BagWriter | SnapshotWriter, size: int, report: Callable[[RecordingError, bool], None]
+    ) -> None:
+        """``report`` is called in any thread with what is lost and why, and whether the recording has ended."""
         self.path = writer.path
-        self._writer, self._size, self._tell = writer, size, tell
+        self._writer, self._size, self._report = writer, size, report
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="recorder")
         self._room = threading.Condition()
         self._waiting = 0
@@ -50,9 +51,9 @@ class BufferedWriter:
         return self._waiting
 
     def put(self, messages: Iterable[Message], *, patient: bool = False) -> None:
-        """Write messages that belong together; ``patient`` waits for room rather than lose any.
+        """Write messages that belong together; with ``patient``, wait until there is room.
 
-        Who is patient keeps no time, and could do all again: nothing is put on the disk before the system does it.
+        A patient run keeps no time and can be repeated, so nothing is synced to the disk.
         """
         together = [message.packed() for message in messages]
         size = _size_of(together)
@@ -69,26 +70,26 @@ class BufferedWriter:
                 self._submit(self._write, together, not patient, size=_size_of(together))
 
     def split(self) -> Future[Path]:
-        """As that of the writer."""
+        """Continue in another file, the result; it raises the errors of the writer."""
         with self._room:
             return self._submit(self._writer.split)
 
     def snapshot(self) -> Future[Path]:
-        """As that of the writer."""
+        """Write the messages that are kept; the result is the path, and raises the errors of the writer."""
         with self._room:
             return self._submit(self._writer.snapshot)
 
-    def close(self) -> Future[None]:
-        """As that of the writer, behind all that waits; nothing is taken any more."""
+    def close(self) -> Future[str]:
+        """Take no more messages, and close the bag after those that wait; the result is its path."""
         with self._room:
             if self._gap is not None:
-                self._tell(RecordingError(self._missing(self._gap)), False)
-            closing = self._submit(self._writer.close)
+                self._report(RecordingError(self._missing(self._gap)), False)
+            closing = self._submit(self._close)
             self._shut()
         return closing
 
-    def discard(self) -> Future[None]:
-        """Close what nobody wants, and remove it if nothing was put in."""
+    def discard(self) -> Future[str]:
+        """Close a bag that is not needed, and remove it if it is empty."""
         closing = self.close()
         closing.add_done_callback(lambda _: self._writer.remove_if_empty())
         return closing
@@ -97,29 +98,35 @@ class BufferedWriter:
         return self._waiting == 0 or self._waiting + size <= self._size
 
     def _lose(self, together: list[Message]) -> list[Message]:
-        """What of messages is kept though there is no room; of the samples it is told from where on they are lost."""
+        """The messages that are kept although there is no room; the first lost sample is reported."""
         for fields in (message.fields for message in together if "samples" in message.fields):
             first, last = fields["first_step"], fields["first_step"] + fields["samples"] - 1
             if self._gap is None:
-                self._tell(RecordingError(self._missing((first, None))), False)
+                self._report(RecordingError(self._missing((first, None))), False)
             self._gap = first if self._gap is None else self._gap[0], last
         small = [message for message in together if message.kind in SMALL]
         if self._waiting + _size_of(small) <= self._size + RESERVE:
             return small
-        self._submit(self._writer.close)
+        self._submit(self._close)
         self._shut()
-        self._tell(RecordingError(f"{self.path} ends here: the disk stands, and there is no room for changes"), True)
+        self._report(
+            RecordingError(f"{self.path} ends here: the disk does not respond, and there is no room for changes"), True
+        )
         return []
 
     def _go_on(self, gap: tuple[int, int]) -> None:
-        """There is room again: a gap is over."""
-        told, self._gap = self._missing(gap), None
-        self._submit(self._writer.gap, told)
-        self._tell(RecordingError(told), False)
+        """End a gap, for there is room again."""
+        note, self._gap = self._missing(gap), None
+        self._submit(self._writer.gap, note)
+        self._report(RecordingError(note), False)
 
     def _missing(self, gap: tuple[int, int | None]) -> str:
         to = "on" if gap[1] is None else f"to {gap[1]}"
         return f"{self.path} misses steps {gap[0]} {to}: the disk is too slow, {self._size:g} bytes wait for it already"
+
+    def _close(self) -> str:
+        self._writer.close()
+        return str(self.path)
 
     def _write(self, together: list[Message], sync: bool) -> None:
         self._writer.write_messages(together)
@@ -162,7 +169,7 @@ class BufferedWriter:
         with self._room:
             self._failure = reason
             self._shut()
-        self._tell(reason, True)
+        self._report(reason, True)
 
     def _shut(self) -> None:
         self._shut_down = True

@@ -1,12 +1,20 @@
-"""The message definitions of ``wheelset_track_msgs`` without ROS: schema texts, type hashes, CDR."""
+"""Message definitions without ROS: ``wheelset_track_msgs`` of this version, and the definitions stored in a bag.
+
+The definitions in a bag may be older or newer than this version. Fields that this
+version does not have are left out. A field that an older definition lacks gets its value from ``DEFAULTS``; without
+such a value the bag is rejected.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
+import math
+from collections.abc import Callable, Mapping
+from functools import cache, lru_cache
 from importlib.resources import files
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
@@ -14,10 +22,39 @@ from rosbags.typesys.store import Typestore
 PACKAGE = "wheelset_track_msgs"
 SEPARATOR = "=" * 80 + "\n"
 
+Decode = Callable[[bytes | memoryview], Any]
+Default = Callable[[Any], Any]
+
+UNKNOWN: Default = lambda _: math.nan  # noqa: E731
+NONE: Default = lambda _: np.empty(0)  # noqa: E731
+DEFAULTS: Mapping[str, Mapping[str, Default]] = {
+    "ContactForces": {"decimation": lambda _: 1},
+    "AxleStress": {"decimation": lambda _: 1},
+    "SimulationState": {"speed_set_point": lambda state: state.speed},
+    "LoadSummary": {
+        "turns": lambda _: 0,
+        **dict.fromkeys(("wheel_1_turn_max_force", "wheel_2_turn_max_force"), UNKNOWN),
+        **dict.fromkeys(("turn_max_principal", "stress_max", "stress_min", "stress_mean", "stress_rms"), NONE),
+        "max_principal_mean": lambda summary: np.full(len(summary.nodes), math.nan),
+        "max_principal_rms": lambda summary: np.full(len(summary.nodes), math.nan),
+    },
+}
+"""Values of fields that older definitions lack, by message; each is made from the message without these fields."""
+
+
+class DefinitionError(ValueError):
+    """A definition in a bag lacks a field that has no default."""
+
 
 def full_name(kind: str) -> str:
     """Full type name of a message of the package, such as ``wheelset_track_msgs/msg/AxleStress``."""
     return f"{PACKAGE}/msg/{kind}"
+
+
+def short_name(name: str) -> str:
+    """Short name of a message of the package; empty for other types."""
+    package, _, kind = name.partition("/msg/")
+    return kind if package == PACKAGE else ""
 
 
 @cache
@@ -42,7 +79,7 @@ def typestore() -> Typestore:
 
 @cache
 def schema(kind: str) -> str:
-    """The ``ros2msg`` schema of a message: its definition, then those of all that it holds."""
+    """The ``ros2msg`` schema of a message: its definition, then the definitions of all messages within it."""
     bare, _ = typestore().generate_msgdef(full_name(kind), ros_version=2)
     parts = [texts()[kind]]
     for part in bare.split(SEPARATOR)[1:]:
@@ -68,18 +105,71 @@ def deserialise(kind: str, data: bytes | memoryview) -> Any:
     return typestore().deserialize_cdr(data, full_name(kind))
 
 
+@lru_cache(maxsize=64)
+def decoder(kind: str, encoding: str, definition: bytes) -> Decode:
+    """Function from CDR of a stored ``definition`` to a message of this version with its fields as attributes.
+
+    Raises DefinitionError, or what rosbags raises for a text that is no definition.
+    """
+    name, text = full_name(kind), definition.decode()
+    if encoding != "ros2msg" or not text.strip():
+        return lambda data: deserialise(kind, data)
+    stored, ours = get_types_from_msg(text, name), typestore().fielddefs
+    if all(stored.get(other) == tuple(ours[other]) for other in _within(name)):
+        return lambda data: deserialise(kind, data)
+    for other in _within(name):
+        _check(other, dict(ours[other][1]), dict(stored[other][1]) if other in stored else {})
+    theirs = get_typestore(Stores.EMPTY)
+    theirs.register(stored)
+    return lambda data: _conformed(name, theirs.deserialize_cdr(data, name))
+
+
 def _message(name: str, fields: Mapping[str, Any]) -> Any:
     """Message object of a type; a field that is missing or unknown raises TypeError."""
     values = dict(fields)
-    for field, inner in _inner_types(name):
+    for field, inner in _inner_types(name).items():
         value = values[field]
         values[field] = _message(inner, value) if isinstance(value, Mapping) else [_message(inner, v) for v in value]
     return typestore().types[name](**values)
 
 
 @cache
-def _inner_types(name: str) -> list[tuple[str, str]]:
+def _inner_types(name: str) -> dict[str, str]:
     """Fields of a message that are messages or sequences of messages, with their types."""
     fields: list[tuple[str, Any]] = typestore().fielddefs[name][1]
     elements = [(field, of[1][0] if of[0] == Nodetype.SEQUENCE else of) for field, of in fields]
-    return [(field, of[1]) for field, of in elements if of[0] == Nodetype.NAME]
+    return {field: of[1] for field, of in elements if of[0] == Nodetype.NAME}
+
+
+def _of_package(name: str) -> dict[str, str]:
+    """The same, if they are of the package."""
+    return {field: inner for field, inner in _inner_types(name).items() if inner.startswith(f"{PACKAGE}/")}
+
+
+def _within(name: str) -> list[str]:
+    """A message of the package, and all messages of the package within it."""
+    return [name, *(other for inner in _of_package(name).values() for other in _within(inner))]
+
+
+def _check(name: str, ours: dict[str, Any], stored: dict[str, Any]) -> None:
+    kind = name.rpartition("/")[2]
+    for field, of in ours.items():
+        if field not in stored and field not in DEFAULTS.get(kind, {}):
+            raise DefinitionError(f"{kind} has no {field}")
+        if field in stored and stored[field] != of:
+            raise DefinitionError(f"{kind} has another type of {field}")
+
+
+def _conformed(name: str, found: Any) -> Any:
+    """A stored message with the fields of this version."""
+    made, inner = SimpleNamespace(), _of_package(name)
+    fields = [field for field, _ in typestore().fielddefs[name][1]]
+    for field in [field for field in fields if hasattr(found, field)]:
+        value = getattr(found, field)
+        if field in inner:
+            many = isinstance(value, list)
+            value = [_conformed(inner[field], one) for one in value] if many else _conformed(inner[field], value)
+        setattr(made, field, value)
+    for field in [field for field in fields if not hasattr(found, field)]:
+        setattr(made, field, DEFAULTS[name.rpartition("/")[2]][field](made))
+    return made

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from ..wheelset.reduced import COMPONENTS
 
 if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-    from .recording import Recording
+    from .run_arrays import Recording
 
 ALONG = {"step": "", "position": "m", "speed": "m/s", "revision": ""}
 """What else every sample has, with its unit."""

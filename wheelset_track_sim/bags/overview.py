@@ -1,22 +1,23 @@
-"""What is in a bag, from its small messages: the samples are not looked at if there are summaries of them."""
+"""What a bag holds, from its small messages; samples are read only if there are no summaries of them."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..errors import RecordingError
+from ..errors import InputError, RecordingError
+from ..inputs.yaml12 import parse
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
 from .bag import Bag
-from .inputs import Input
+from .bag_reader import FORCES
 from .losses import Damage, Gap, Loss
 from .messages import start_of, state_of
-from .revisions import Revision, revisions
-from .run_info import RunInfo
-from .source import FORCES, BagSource, kind_of
+from .run_info import Input, RunInfo, in_order
 
 SMALL = ("LoadSummary", "SimulationState", "WheelImpact")
 
@@ -28,9 +29,29 @@ class TopicCount(NamedTuple):
     messages: int
 
 
+class ChangedKey(NamedTuple):
+    """A key of a scenario with its value before and after a change; None if it is missing there."""
+
+    key: str
+    """Dotted path, such as ``irregularities.0.h``."""
+    before: Any
+    after: Any
+
+
+@dataclass(frozen=True)
+class RecordedRevision:
+    """A change that has come into force."""
+
+    number: int
+    step: int
+    """First step with the change."""
+    changed: tuple[ChangedKey, ...]
+    """Compared with the revision before in the bag."""
+
+
 @dataclass(frozen=True)
 class Overview:
-    """What is in a bag."""
+    """What a bag holds."""
 
     path: Path
     files: dict[str, int]
@@ -47,7 +68,7 @@ class Overview:
     """Of all samples that are there, s."""
     summary: Summary | None
     """Of all samples that are there."""
-    revisions: tuple[Revision, ...]
+    revisions: tuple[RecordedRevision, ...]
     impacts: tuple[int, int]
     """Number of impacts of each wheel."""
     losses: tuple[Loss, ...]
@@ -106,37 +127,37 @@ def overview(path: str | Path) -> Overview:
     Raises RecordingError if it is missing, cannot be opened or was recorded with definitions that cannot be read.
     """
     losses: list[Loss] = []
-    source = BagSource(Path(path), losses.append)
-    source.tell_missing()
-    total = _Total(source.path.name, losses)
+    bag = Bag(Path(path), losses.append)
+    reader = bag.reader
+    reader.report_missing()
+    total = _Total(reader.path.name, losses)
     counts: Counter[str] = Counter()
     types: dict[str, str] = {}
     impacts = [0, 0]
     inputs: list[Input] = []
     start_ns: int | None = None
-    for stored in source.stored((FORCES,)):
-        topic, kind = stored.message.channel.topic, kind_of(stored.message.schema)
-        counts[topic] += 1
-        types.setdefault(topic, stored.message.schema.name)
-        told = source.told(stored) if kind in SMALL and not total.over else None
-        if told is None:
+    for found in reader.stored((FORCES,)):
+        topic = found.message.topic
+        counts[topic.name] += 1
+        types.setdefault(topic.name, topic.type)
+        message = reader.decoded(found) if topic.kind in SMALL and not total.over else None
+        if message is None:
             continue
-        start_ns = start_of(told.message) if start_ns is None else start_ns
-        if kind == "LoadSummary":
-            total.add(_piece(told.message))
-        elif kind == "WheelImpact":
-            impacts[told.message.wheel - 1] += 1
+        start_ns = start_of(message) if start_ns is None else start_ns
+        if topic.kind == "LoadSummary":
+            total.add(_piece(message))
+        elif topic.kind == "WheelImpact":
+            impacts[message.wheel - 1] += 1
         else:
-            state = state_of(told.message)
+            state = state_of(message)
             inputs.append(Input(state.revision, state.first_step, state.scenario))
-    bag = Bag(source.path, losses.append)
     if total.first is None:  # nobody recorded summaries
         for piece in _pieces(bag):
             total.add(piece)
     first = total.first
     return Overview(
-        path=source.path,
-        files={file.name: file.stat().st_size for file in source.files},
+        path=reader.path,
+        files={file.name: file.stat().st_size for file in reader.files},
         info=bag.info,
         start_ns=start_ns,
         topics={topic: TopicCount(types[topic], counts[topic]) for topic in sorted(counts)},
@@ -145,9 +166,9 @@ def overview(path: str | Path) -> Overview:
         start=first.time if first else 0.0,
         duration=total.duration,
         summary=total.summary,
-        revisions=revisions([*bag.info.inputs, *inputs]),
+        revisions=revisions_of([*bag.info.inputs, *inputs]),
         impacts=(impacts[0], impacts[1]),
-        losses=tuple(dict.fromkeys(losses)),  # a bag that is gone through twice tells some twice
+        losses=tuple(dict.fromkeys(losses)),  # reading a bag twice reports some of them twice
     )
 
 
@@ -174,3 +195,43 @@ def _pieces(bag: Bag) -> Iterator[_Piece]:
             yield _Piece(block.first_step, block.time, block.step_period, summarise(block))
     except RecordingError:
         return
+
+
+def revisions_of(inputs: Iterable[Input]) -> tuple[RecordedRevision, ...]:
+    """Revisions in their order, with the keys that each changed."""
+    return tuple(
+        RecordedRevision(now.revision, now.step, changed_keys(before.scenario, now.scenario) if before else ())
+        for before, now in pairwise([None, *in_order(inputs)])
+        if now is not None
+    )
+
+
+def changed_keys(before: str, after: str) -> tuple[ChangedKey, ...]:
+    """Keys with different values in two scenarios, which are YAML texts."""
+    # A scenario holds the descriptions of its models: only the sections that differ are parsed.
+    old, new = _sections(before), _sections(after)
+    texts = ["".join(part for part in one if part not in other) for one, other in ((old, new), (new, old))]
+    try:
+        return tuple(_changed("", *(parse(text, "scenario") or {} for text in texts)))
+    except InputError:  # of another version or by hand
+        return (ChangedKey("scenario", before, after),) if before != after else ()
+
+
+def _sections(text: str) -> list[str]:
+    """A YAML mapping, cut at its top-level keys."""
+    return re.split(r"(?m)^(?=[^\s#-])", text)
+
+
+def _changed(key: str, before: Any, after: Any) -> Iterable[ChangedKey]:
+    if isinstance(before, dict) and isinstance(after, dict):
+        names = [*before, *(name for name in after if name not in before)]
+    elif isinstance(before, list) and isinstance(after, list):
+        names = [*range(max(len(before), len(after)))]
+        before, after = dict(enumerate(before)), dict(enumerate(after))
+    elif before != after:
+        yield ChangedKey(key.removeprefix("."), before, after)
+        return
+    else:
+        return
+    for name in names:
+        yield from _changed(f"{key}.{name}", before.get(name), after.get(name))

@@ -1,30 +1,54 @@
-"""What a bag says about its run, beside the samples."""
+"""The record of its run in each file of a bag: scenario, versions, digests, and all inputs up to there.
+
+Each file begins with all inputs so far. So a part of a bag, or a recording that was started late, can be simulated
+again from step 0 on.
+"""
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import json
 import platform
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
+from typing import NamedTuple
 
 from numba.core.registry import cpu_target
 from threadpoolctl import threadpool_info
 
-import wheelset_track_sim
-
-from .. import __version__
 from ..runtime.cache import digest
-from .inputs import Input, decoded, encoded, with_input
+from ..runtime.sources import whole_package
+from ..version import __version__
 
 METADATA_NAME = "wheelset_track_sim"
 CHECKSUM = "crc32"
-"""Key of the record's own checksum: MCAP has none for what stands outside of chunks until the file is closed."""
+"""Key of the record's own checksum: MCAP has none for records outside of chunks until the file is closed."""
 NAMED = {"versions": "version.", "models": "model."}
-"""Fields that are mappings, with what stands before their names in the record."""
+"""Fields that are mappings, with the prefix of their names in the record."""
+MOST = 10_000
+"""Changes that a file begins with at most, the latest."""
+
+
+class Input(NamedTuple):
+    """A change that has come into force; revision 0 is the start."""
+
+    revision: int
+    step: int
+    """First step with the change."""
+    scenario: str
+    """As YAML."""
+
+
+def in_order(inputs: Iterable[Input]) -> tuple[Input, ...]:
+    """Each revision once, with its first step: a state is repeated after a pause, and where a file begins."""
+    first: dict[int, Input] = {}
+    for found in sorted(inputs, key=lambda found: (found.revision, found.step)):
+        first.setdefault(found.revision, found)
+    return tuple(first.values())
 
 
 @cache
@@ -36,7 +60,7 @@ def _versions() -> dict[str, str]:
     _, processor, features = cpu_target.target_context.codegen().magic_tuple()  # what numba compiles for
     return {
         "wheelset_track_sim": __version__,
-        "sources": digest([], wheelset_track_sim),
+        "sources": whole_package(),
         "python": platform.python_version(),
         **libraries,
         "blas": ", ".join(algebra),
@@ -49,22 +73,22 @@ def _blas() -> list[dict[str, str]]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of all that decides the numbers of a run to the last bit: software, linear algebra, processor.
+    """Versions of everything that decides the last bit of a run's numbers: software, linear algebra, processor.
 
-    ``sources`` is a digest of this package, the processor's eight last digits one of its instruction sets.
+    ``sources`` is a digest of this package; the last eight digits of ``cpu`` are one of the instruction sets.
     """
     return dict(_versions())
 
 
 def _checksum(record: Mapping[str, str]) -> str:
     """CRC-32 of all other texts of a record, as hexadecimal digits."""
-    told = [item for name in sorted(record) if name != CHECKSUM for item in (name, record[name])]
-    return f"{zlib.crc32(json.dumps(told).encode()):08x}"
+    items = [item for name in sorted(record) if name != CHECKSUM for item in (name, record[name])]
+    return f"{zlib.crc32(json.dumps(items).encode()):08x}"
 
 
 @dataclass(frozen=True)
 class RunInfo:
-    """Origin of a run: what was simulated, with what."""
+    """Origin of a run: scenario, software and models."""
 
     scenario_name: str
     scenario: str
@@ -77,18 +101,20 @@ class RunInfo:
     models: Mapping[str, str] = field(default_factory=dict)
     """Digests of ``wheelset`` and ``track``, as their files describe them."""
     inputs: tuple[Input, ...] = ()
-    """What went into the run up to where the bag begins, from step 0 on."""
+    """All changes of the run up to where the bag begins, from step 0 on."""
 
     def with_input(self, new: Input) -> RunInfo:
-        """The same with one more input, unless it is there already."""
-        return dataclasses.replace(self, inputs=with_input(self.inputs, new))
+        """The same with a later input; the earliest are left out beyond ``MOST``."""
+        if self.inputs and new.revision <= self.inputs[-1].revision:
+            return self
+        return dataclasses.replace(self, inputs=(*self.inputs, new)[-MOST:])
 
     def to_metadata(self) -> dict[str, str]:
         """Record of text by name, as bags hold it."""
         record = {name: str(getattr(self, name)) for name in ("scenario_name", "scenario", "digest", "sleeper_spacing")}
         for name, prefix in NAMED.items():
             record |= {f"{prefix}{key}": text for key, text in getattr(self, name).items()}
-        record |= {"inputs": encoded(self.inputs)} if self.inputs else {}
+        record |= {"inputs": encode_inputs(self.inputs)} if self.inputs else {}
         return record | {CHECKSUM: _checksum(record)}
 
     @classmethod
@@ -115,6 +141,22 @@ class RunInfo:
             scenario=record["scenario"],
             digest=record["digest"],
             sleeper_spacing=float(record["sleeper_spacing"]),
-            inputs=decoded(record["inputs"]) if "inputs" in record else (),
+            inputs=decode_inputs(record["inputs"]) if "inputs" in record else (),
             **named,
         )
+
+
+def encode_inputs(inputs: Iterable[Input]) -> str:
+    """Inputs as text: JSON, compressed because the scenarios of a run are much alike, in base64."""
+    return base64.b64encode(zlib.compress(json.dumps([*inputs]).encode())).decode()
+
+
+def decode_inputs(text: str) -> tuple[Input, ...]:
+    """Inputs from their text; raises ValueError if it is not one."""
+    try:
+        return tuple(
+            Input(int(revision), int(step), str(scenario))
+            for revision, step, scenario in json.loads(zlib.decompress(base64.b64decode(text, validate=True)))
+        )
+    except (ValueError, TypeError, zlib.error) as reason:
+        raise ValueError(f"inputs of the run cannot be read: {reason}") from reason

@@ -1,4 +1,4 @@
-"""Snapshots: not the whole run, but what is around its impacts, each a bag of its own."""
+"""Snapshots: the parts of a run around its impacts, each a bag of its own."""
 
 from __future__ import annotations
 
@@ -8,25 +8,23 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..errors import InputError, RecordingError
-from .bag_writer import SECOND_NS, STATE, BagWriter
-from .inputs import Input
+from .bag_writer import PREFIX, SECOND_NS, STATE, BagWriter, Writer, creating
 from .messages import Message
-from .run_info import RunInfo
+from .run_info import Input, RunInfo
 from .settings import SNAPSHOT, RecordSettings
-from .writer import PREFIX, Writer, creating
 
 IMPACT = "WheelImpact"
 LATE_NS = SECOND_NS
-"""Time of the run kept beyond a snapshot's: an impact is told when it is over."""
+"""Time of the run kept beyond ``snapshot_duration``: an impact is reported when it has ended."""
 
 
 class SnapshotWriter(Writer):
-    """Keeps the latest messages in memory, and writes them when an impact comes, or when told to.
+    """Keeps the latest messages in memory, and writes them at an impact, or when ``snapshot`` is called.
 
-    A snapshot holds ``snapshot_duration`` before the largest force of the impact, as far as the run goes back, and
-    ``snapshot_after`` behind the end of the impact; impacts meanwhile belong to it. What is in one snapshot is in no
-    other. Each is a bag folder ``NAME/NAME_step_N`` of its own, N the step of the largest force; those of one writer
-    take ``max_total_size``, the oldest are removed first, the newest stays.
+    A snapshot begins ``snapshot_duration`` before the largest force of the impact, or at the start of the run, and ends
+    ``snapshot_after`` after the end of the impact. It includes impacts in this time. No message is in two snapshots.
+    Each is a bag folder ``NAME/NAME_step_N`` of its own, N the step of the largest force. All snapshots of one writer
+    take ``max_total_size`` at most: the oldest are removed first, the newest stays.
     """
 
     def __init__(
@@ -36,7 +34,8 @@ class SnapshotWriter(Writer):
 
         Raises InputError if it exists or cannot be written.
         """
-        super().__init__(Path(path).with_suffix("") if Path(path).suffix == ".mcap" else Path(path), start_ns)
+        self.path = Path(path).with_suffix("") if Path(path).suffix == ".mcap" else Path(path)
+        self.start_ns = start_ns
         self._info, self._prefix, self._settings = info, prefix, settings
         self._kept: deque[Sequence[Message]] = deque()
         self._state: Message | None = None  # in force before what is kept
@@ -47,10 +46,7 @@ class SnapshotWriter(Writer):
             self.path.mkdir(parents=True)
 
     def write_messages(self, messages: Iterable[Message]) -> None:
-        """Keep messages that belong together, or write them if they are of a snapshot.
-
-        Raises RecordingError if the disk refuses.
-        """
+        """Keep messages that belong together, or write them during a snapshot; RecordingError if the disk refuses."""
         together = [message.packed() for message in messages]
         if not together:
             return
@@ -68,9 +64,9 @@ class SnapshotWriter(Writer):
             self._finish()
 
     def snapshot(self) -> Path:
-        """Write what is kept, and return the path of the bag; if an impact is being written, that of its bag.
+        """Write the messages that are kept, and return the path of the bag; during a snapshot, return the path of that.
 
-        Raises InputError if there is nothing since the last snapshot, RecordingError if the disk refuses.
+        Raises InputError if there is no sample since the last snapshot, RecordingError if the disk refuses.
         """
         if self._bag is not None:
             return self._bag.path
@@ -83,26 +79,26 @@ class SnapshotWriter(Writer):
         return path
 
     def gap(self, note: str) -> None:
-        """End the snapshot at hand, and begin anew: none has a gap. Raises RecordingError if the disk refuses."""
+        """End the current snapshot, and discard what is kept: no snapshot has a gap."""
         self.close()
         self._forget(0, self._end_ns)
 
     def split(self) -> Path:
-        """Raises InputError: each snapshot is a bag of its own."""
+        """Raise InputError: each snapshot is a bag of its own."""
         raise InputError(f"{self.path} holds snapshots, each a bag of its own: there is nothing to split")
 
     def sync(self) -> None:
-        """Wait until the snapshot at hand is on the disk; RecordingError if the disk refuses."""
+        """Wait until the current snapshot is on the disk; RecordingError if the disk refuses."""
         if self._bag is not None:
             self._bag.sync()
 
     def close(self) -> None:
-        """Finish the snapshot at hand, if there is one; RecordingError if the disk refuses."""
+        """Finish the current snapshot, if there is one; RecordingError if the disk refuses."""
         if self._bag is not None:
             self._finish()
 
     def remove_if_empty(self) -> None:
-        """Remove the folder if there is no snapshot in it."""
+        """Remove a folder without snapshots."""
         if not any(self.path.iterdir()):
             self.path.rmdir()
 
@@ -110,19 +106,19 @@ class SnapshotWriter(Writer):
         return [message for together in self._kept for message in together if "samples" in message.fields]
 
     def _forget(self, span_ns: float, end_ns: int) -> None:
-        """Drop what is kept and ends more than a time before ``end_ns``."""
+        """Discard messages that end more than a time before ``end_ns``."""
         while self._kept and max(message.end_ns for message in self._kept[0]) <= end_ns - span_ns:
             self._pass(self._kept.popleft())
 
     def _pass(self, together: Iterable[Message]) -> None:
-        """Messages are behind what is kept: their states hold where the next snapshot begins."""
+        """Note states among messages before those that are kept: the next snapshot begins with the latest."""
         for message in together:
             if message.kind == STATE:
                 self._state, of = message, message.fields
                 self._info = self._info.with_input(Input(of["revision"], of["first_step"], of["scenario"]))
 
     def _begin(self, step: int, at_ns: int) -> BagWriter:
-        """A snapshot with all that is kept from some time before ``at_ns`` on."""
+        """A snapshot with all messages that are kept from ``snapshot_duration`` before ``at_ns`` on."""
         self._forget(self._settings.snapshot_duration * SECOND_NS, at_ns)
         path = self.path / f"{self.path.name}_step_{step}"
         single = dataclasses.replace(self._settings, max_total_size=0)
@@ -148,7 +144,9 @@ class SnapshotWriter(Writer):
             bag.close()
 
 
-def writer_of(path: Path, info: RunInfo, settings: RecordSettings, *, start_ns: int, prefix: str = PREFIX) -> Writer:
+def writer_of(
+    path: Path, info: RunInfo, settings: RecordSettings, *, start_ns: int, prefix: str = PREFIX
+) -> BagWriter | SnapshotWriter:
     """Writer for the mode in ``settings``; raises InputError if ``path`` exists or cannot be written."""
     if settings.mode == SNAPSHOT:
         return SnapshotWriter(path, info, start_ns=start_ns, prefix=prefix, settings=settings)

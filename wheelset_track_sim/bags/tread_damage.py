@@ -1,4 +1,4 @@
-"""Tread damage as messages tell it, both ways."""
+"""Tread damage in messages: encode and decode."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..irregularities import AnyIrregularity, Breakout
-from ..irregularities.listing import MOST
-from ..scenario.scenario import WHEELS
+from ..irregularities import Breakout, Irregularity
+from ..irregularities.kinds import MOST
+from ..scenario import WHEELS
 
 KINDS: dict[int, type[Breakout]] = {0: Breakout}
 """Irregularities by the number of their kind in ``TreadDamage``."""
@@ -17,7 +17,7 @@ FIELDS = ("wheel", "kind", *NUMBERS)
 """Fields of ``TreadDamage``."""
 
 
-def damage_fields(irregularities: Iterable[AnyIrregularity]) -> tuple[Mapping[str, float], ...]:
+def damage_fields(irregularities: Iterable[Irregularity]) -> tuple[Mapping[str, float], ...]:
     """``FIELDS`` of each breakout; other irregularities are in the scenario alone."""
     return tuple(
         {"wheel": WHEELS.index(item.on) + 1, "kind": 0} | {name: getattr(item, name) for name in NUMBERS}
@@ -27,7 +27,7 @@ def damage_fields(irregularities: Iterable[AnyIrregularity]) -> tuple[Mapping[st
 
 
 def irregularities_of(damage: Sequence[Any]) -> tuple[Breakout, ...]:
-    """Irregularities from messages ``TreadDamage``, without those of depth 0; InputError names the first bad field."""
+    """Irregularities from messages ``TreadDamage``, without any of depth 0; InputError names the first bad field."""
     if len(damage) > MOST:
         raise InputError(f"damage has {len(damage)} entries: give at most {MOST}")
     return tuple(found for found in (_irregularity(index, item) for index, item in enumerate(damage)) if found.h > 0)

@@ -8,16 +8,20 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
-from .. import __version__
 from ..errors import InputError, WheelsetTrackError
 from ..inputs import shipped
 from ..runtime.memory import keep_freed_memory
+from ..version import __version__
+from .warned import printed_warnings
 
 if TYPE_CHECKING:
     from ..bags.settings import RecordSettings
     from ..samples.impacts import ImpactSettings
+    from ..twin.measured import Matching, Reading
 
 PROGRAM = "wheelset-track-sim"
+OLD_RESIMULATE = "--simulate-again"
+"""Option that made ``replay`` simulate a bag again."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -33,12 +37,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
     try:
-        if given[:1] == ["node"]:  # its arguments are those of every ROS node
-            return _node(given[1:])
-        own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
-        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros))
-        command: Callable[[argparse.Namespace], int] = options.command
-        return command(options)
+        with printed_warnings(PROGRAM) as warnings:
+            given = _renamed(given)
+            if given[:1] == ["node"]:  # its arguments are those of every ROS node
+                return _node(given[1:])
+            own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
+            options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
+            command: Callable[[argparse.Namespace], int] = options.command
+            return command(options)
     except InputError as refusal:
         return _complain(refusal, 2)
     except WheelsetTrackError as failure:
@@ -46,6 +52,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         # told to end before it had anything to close: for a node that is an orderly end
         return 0 if given[:1] in (["node"], ["replay"]) else _complain("interrupted", 1)
+
+
+def _renamed(given: list[str]) -> list[str]:
+    """Arguments with the old name of a command replaced by the new one, which is reported."""
+    if given[:1] != ["replay"] or OLD_RESIMULATE not in given:
+        return given
+    _complain(f"replay {OLD_RESIMULATE} is the old name of resimulate: use {PROGRAM} resimulate BAG", 0)
+    return ["resimulate", *(each for each in given[1:] if each != OLD_RESIMULATE)]
 
 
 def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -75,16 +89,19 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
     _add_report(commands)
     _add_replay(commands)
+    _add_resimulate(commands)
     _add_recover(commands)
     _add_info(commands)
     _add_compare(commands)
     _add_stress(commands)
+    _add_cache(commands)
     _add_demo(commands)
     return parser
 
 
-def _command(commands: _Commands, name: str, what: str) -> _Parser:
-    return commands.add_parser(name, help=what, description=f"{what[0].upper()}{what[1:]}.")
+def _command(commands: _Commands, name: str, what: str, details: str = "") -> _Parser:
+    description = f"{what[0].upper()}{what[1:]}. {details}".strip()
+    return commands.add_parser(name, help=what, description=description)
 
 
 def _takes_bag(command: _Parser, and_then: str = "") -> None:
@@ -98,6 +115,63 @@ def _takes_changes(command: _Parser, what: str = "change a key, such as speed=30
 def _takes_threshold(command: _Parser, where: str = "") -> None:
     what = f"contact force that makes an impact{where} (default: 200e3)"
     command.add_argument("--threshold", type=float, metavar="N", help=what)
+
+
+def _takes_measured(command: _Parser) -> None:
+    command.add_argument(
+        "--unit", action="append", default=[], metavar="UNIT", help="of forces, stresses or time, instead of the file's"
+    )
+    command.add_argument(
+        "--sign", choices=("compression", "tension"), default="compression", help="what a positive force in the file is"
+    )
+    command.add_argument(
+        "--offset",
+        action="append",
+        default=[],
+        metavar="[WHEEL=]FORCE",
+        help="add a force, such as 98.1kN or wheel_1=98.1kN, where a signal has no static load",
+    )
+    command.add_argument(
+        "--column", action="append", default=[], metavar="WHEEL=NAME", help="column that holds wheel_1 or wheel_2"
+    )
+
+
+def _takes_place(command: _Parser) -> None:
+    command.add_argument(
+        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
+    )
+    command.add_argument(
+        "--origin", metavar="TIME", help="time stamp in the file at which the simulation begins, about: s, or ISO 8601"
+    )
+
+
+def _matching(options: argparse.Namespace) -> Matching:
+    from ..inputs.table_rows import seconds_of
+    from ..twin.measured import Matching
+
+    given = {"lag": options.lag, "threshold": options.threshold}
+    if options.origin is not None:
+        given["origin"] = float(seconds_of(options.origin, "--origin"))
+    return Matching(**{name: value for name, value in given.items() if value is not None})
+
+
+def _reading(options: argparse.Namespace) -> Reading:
+    from ..inputs.units import value_of
+    from ..twin.measured import Reading
+    from ..twin.measured.measurement import WHEELS
+
+    offsets: dict[str, float] = {}
+    for text in options.offset:
+        wheel, equals, force = text.rpartition("=")
+        value = value_of(force, "force", "--offset")
+        offsets |= {wheel.strip(): value} if equals else dict.fromkeys(WHEELS, value)
+    columns = {}
+    for text in options.column:
+        wheel, equals, name = text.partition("=")
+        if not equals:
+            raise InputError(f"--column {text!r} is not of the form wheel_1=NAME: give that of a column of the file")
+        columns[wheel.strip()] = name.strip()
+    return Reading(options.unit, options.sign, offsets, columns)
 
 
 def _takes_json(command: _Parser, instead_of: str = "a table") -> None:
@@ -136,6 +210,7 @@ def _run(options: argparse.Namespace) -> int:
         json=options.json,
         settings=settings,
         impacts=impacts,
+        warnings=options.warnings,
     )
 
 
@@ -194,11 +269,11 @@ def _add_study(commands: _Commands) -> None:
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ..studies.conduct import Place
+    from ..studies.conduct import Resources
     from .study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return study(options.study, changes, options.out, Place(options.workers, options.scheduler))
+    return study(options.study, changes, options.out, Resources(options.workers, options.scheduler))
 
 
 def _add_report(commands: _Commands) -> None:
@@ -206,8 +281,9 @@ def _add_report(commands: _Commands) -> None:
     _takes_bag(report)
     report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
     _takes_threshold(report)
-    report.add_argument("--measured", type=Path, metavar="FILE", help="CSV file or bag to show beside the run")
-    report.add_argument("--lag", type=float, metavar="S", help="zero of what was measured in the run, about, s or m")
+    report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
+    _takes_place(report)
+    _takes_measured(report)
     report.set_defaults(command=_report)
 
 
@@ -216,7 +292,7 @@ def _report(options: argparse.Namespace) -> int:
     from .report import report
 
     settings = None if options.threshold is None else ImpactSettings(options.threshold)
-    return report(options.bag, options.out, settings, options.measured, options.lag)
+    return report(options.bag, options.out, settings, options.measured, _matching(options), _reading(options))
 
 
 def _add_replay(commands: _Commands) -> None:
@@ -225,46 +301,47 @@ def _add_replay(commands: _Commands) -> None:
         help="play a bag on the topics on which it was recorded",
         usage="%(prog)s [OPTION ...] BAG [--ros-args -p NAME:=VALUE -r FROM:=TO ...]",
         description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter.",
+        epilog=f"To simulate its run again, use {PROGRAM} resimulate; replay {OLD_RESIMULATE} is the old name of that.",
     )
     replay.add_argument("bag", type=Path, nargs="?", metavar="BAG", help="an .mcap file or a bag folder")
     replay.add_argument("--rate", type=float, metavar="R", help="times as fast (default: 1; 0: as fast as possible)")
     replay.add_argument("--loop", action="store_true", default=None, help="begin again at the end")
-    replay.add_argument("--start-offset", type=float, metavar="S", help="begin that far behind the first message")
+    replay.add_argument("--start-offset", type=float, metavar="S", help="begin that long after the first message")
     replay.add_argument("--duration", type=float, metavar="S", help="end after that time in the bag")
     replay.add_argument("--stamps", metavar="original|now", help="stamps as recorded (default), or current ones")
-    replay.add_argument("--publish-clock", action="store_true", default=None, help="tell the time on /clock")
+    replay.add_argument("--publish-clock", action="store_true", default=None, help="publish the time on /clock")
     replay.add_argument("--prefix", metavar="NAME", help="put topics below this name, ~ is the node's own")
-    replay.add_argument("--start-paused", action="store_true", default=None, help="wait to be told to go on")
-    replay.add_argument(
-        "--simulate-again", action="store_true", help="do not play: simulate it from what went in, and compare"
-    )
-    _takes_changes(replay, "what would have been, wheel_1.damage.h=0.001")
-    replay.add_argument("--out", type=Path, metavar="FILE.mcap", help="write what was simulated again as a bag")
-    _takes_json(replay)
+    replay.add_argument("--start-paused", action="store_true", default=None, help="wait for the service resume")
     replay.set_defaults(command=_replay)
 
 
 def _replay(options: argparse.Namespace) -> int:
-    names = ("rate", "loop", "start_offset", "duration", "stamps", "publish_clock", "prefix", "start_paused")
-    if options.simulate_again:
-        return _again(options, [name for name in names if getattr(options, name) is not None])
-    for name in ("set", "out", "json"):
-        if getattr(options, name):
-            raise InputError(f"--{name} is of a run that is simulated: give --simulate-again with it")
-    from .replay import replay
+    from .nodes import replay
 
-    return replay(options.bag, options.ros_arguments, **{name: getattr(options, name) for name in names})
+    parameters = {name: value for name, value in vars(options).items() if name not in ("command", "ros_arguments")}
+    return replay(ros_arguments=options.ros_arguments, **parameters)
 
 
-def _again(options: argparse.Namespace, of_replay: Sequence[str]) -> int:
-    from .resimulate import again
+def _add_resimulate(commands: _Commands) -> None:
+    resimulate = _command(
+        commands,
+        "resimulate",
+        "simulate the run of a bag again, with each change at its step, and compare it with the recording",
+        "Without --set, every force and stress is the same to the last bit on the software and processor that recorded "
+        "it. The exit status is 1 if numbers differ, and no setting, version, processor, model or unknown input is a "
+        "reason.",
+    )
+    _takes_bag(resimulate)
+    _takes_changes(resimulate, "set a key throughout the run, such as wheel_1.damage.h=0.001 or track.spacing=0.65")
+    resimulate.add_argument("--out", type=Path, metavar="BAG", help="record the new run: FILE.mcap, or a bag folder")
+    _takes_json(resimulate)
+    resimulate.set_defaults(command=_resimulate)
 
-    if options.bag is None:
-        raise InputError("BAG is missing: give the bag to simulate again")
-    if of_replay or options.ros_arguments:
-        name = f"--{of_replay[0].replace('_', '-')}" if of_replay else "--ros-args"
-        raise InputError(f"{name} is of a bag that is played: leave it out with --simulate-again")
-    return again(options.bag, options.set, options.out, json=options.json)
+
+def _resimulate(options: argparse.Namespace) -> int:
+    from .resimulate import run_resimulate
+
+    return run_resimulate(options.bag, options.set, options.out, json=options.json)
 
 
 def _add_recover(commands: _Commands) -> None:
@@ -296,27 +373,31 @@ def _info(options: argparse.Namespace) -> int:
 def _add_compare(commands: _Commands) -> None:
     compare = _command(commands, "compare", "a bag beside measured wheel forces or axle stresses")
     _takes_bag(compare)
-    compare.add_argument("measured", type=Path, metavar="FILE", help="a CSV file or a bag")
-    compare.add_argument(
-        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
-    )
+    compare.add_argument("measured", type=Path, metavar="FILE", help="a text file or a bag")
+    _takes_place(compare)
+    _takes_measured(compare)
     _takes_threshold(compare)
     _takes_json(compare, "tables")
     compare.set_defaults(command=_compare)
 
 
 def _compare(options: argparse.Namespace) -> int:
-    from ..twin.measured import Matching
     from .compare import compared
 
-    given = {"lag": options.lag, "threshold": options.threshold}
-    matching = Matching(**{name: value for name, value in given.items() if value is not None})
-    return compared(options.bag, options.measured, matching, json=options.json)
+    return compared(
+        options.bag,
+        options.measured,
+        _matching(options),
+        _reading(options),
+        json=options.json,
+        warnings=options.warnings,
+    )
 
 
 def _add_stress(commands: _Commands) -> None:
     stress = _command(commands, "stress", "axle stresses from wheel forces alone")
-    stress.add_argument("forces", type=Path, metavar="FORCES.csv", help="forces of both wheels over time or position")
+    stress.add_argument("forces", type=Path, metavar="FORCES", help="text file: both forces over time or position")
+    _takes_measured(stress)
     names = ", ".join(shipped.names("wheelsets"))
     stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
     stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
@@ -330,7 +411,35 @@ def _stress(options: argparse.Namespace) -> int:
     from .stress import stress
 
     nodes = [name.strip() for name in options.nodes.split(",")] if options.nodes else None
-    return stress(options.forces, options.wheelset, nodes, options.speed, options.out, json=options.json)
+    return stress(
+        options.forces,
+        options.wheelset,
+        nodes,
+        options.speed,
+        options.out,
+        _reading(options),
+        json=options.json,
+        warnings=options.warnings,
+    )
+
+
+def _add_cache(commands: _Commands) -> None:
+    cache = _command(commands, "cache", "models and compiled functions on disk: where, how many, how large, last use")
+    cache.add_argument(
+        "--clear",
+        nargs="?",
+        const="all",
+        metavar="KIND",
+        help="remove one kind, or all: models are built again when needed",
+    )
+    _takes_json(cache)
+    cache.set_defaults(command=_cache)
+
+
+def _cache(options: argparse.Namespace) -> int:
+    from .cache import cache
+
+    return cache(options.clear, json=options.json)
 
 
 def _add_demo(commands: _Commands) -> None:
@@ -346,12 +455,9 @@ def _demo(options: argparse.Namespace) -> int:
 
 
 def _node(arguments: list[str]) -> int:
-    from .needs_ros import needs_ros
+    from .nodes import node
 
-    with needs_ros("the node"):
-        from ..ros.process import main as node
-    status: int = node(arguments)
-    return status
+    return node(arguments)
 
 
 if __name__ == "__main__":

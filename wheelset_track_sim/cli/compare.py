@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json as json_text
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,19 +11,19 @@ from typing import Any
 from rich.table import Table
 
 from ..bags import Bag
-from ..twin.measured import Comparison, Matching, compare
-from ..twin.measured.reading import read_measurement
-from ..twin.measured.rows import impact_rows, remarks, rows
-from .console import terminal
+from ..twin.measured import Comparison, Matching, Reading, compare, read_measurement
+from ..twin.measured.comparison import impact_rows, remarks, rows
+from .console import print_object, terminal
 
 
-def compared(bag: Path, measured: Path, matching: Matching, *, json: bool) -> int:
+def compared(
+    bag: Path, measured: Path, matching: Matching, reading: Reading, *, json: bool, warnings: Sequence[str] = ()
+) -> int:
     """Compare a bag with a measurement and print how well they agree; returns the exit status."""
-    found = compare(Bag(bag).blocks(), read_measurement(measured), matching)
+    found = compare(Bag(bag).blocks(), read_measurement(measured, reading), matching)
     console = terminal()
     if json:
-        text = json_text.dumps(as_mapping(found))
-        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+        print_object(as_mapping(found) | {"warnings": [*warnings]})
         return 0
     console.print(table(found))
     if found.impacts:
@@ -40,6 +40,8 @@ def as_mapping(found: Comparison) -> dict[str, Any]:
         "measured": str(found.source),
         "axis": found.axis,
         f"lag_{unit}": found.lag,
+        f"begin_{unit}": float(found.begin),
+        "begin_utc": found.begin_utc,
         f"lag_uncertainty_{unit}": found.uncertainty,
         "correlation": found.quality.coefficient,
         "second_best_correlation": found.quality.second,
@@ -47,7 +49,7 @@ def as_mapping(found: Comparison) -> dict[str, Any]:
         "samples": len(found.at),
         f"from_{unit}": float(found.at[0]),
         f"to_{unit}": float(found.at[-1]),
-        "signals": {name: asdict(each) for name, each in zip(found.names, found.measures, strict=True)},
+        "signals": {name: asdict(each) for name, each in zip(found.names, found.agreement, strict=True)},
         "impacts": [
             {"wheel": pair.signal, f"at_{unit}": pair.at, "measured_N": pair.measured, "simulated_N": pair.simulated}
             for pair in found.impacts

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from ..errors import WheelsetTrackError
-from ..scenario.scenario import load_scenario
+from ..scenario import load_scenario
 from ..simulation.simulator import Simulator
 from .console import terminal
 from .progress import shown

@@ -1,8 +1,7 @@
-"""``info``: what is in a bag."""
+"""``info``: list the contents of a bag."""
 
 from __future__ import annotations
 
-import json as json_text
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -12,20 +11,19 @@ from rich.table import Table
 
 from ..bags.losses import Gap
 from ..bags.overview import Overview, overview
-from ..scenario.scenario import WHEELS
-from .console import terminal
+from ..scenario import WHEELS
+from .console import print_object, terminal
 
 LONGEST = 60
 """Characters of a value that a table shows."""
 
 
 def info(bag: Path, *, json: bool) -> int:
-    """Print what is in a bag; returns the exit status."""
+    """Print the contents of a bag; returns the exit status."""
     found = overview(bag)
     console = terminal()
     if json:
-        text = json_text.dumps(as_mapping(found))
-        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+        print_object(as_mapping(found))
         return 0
     for table in tables(found):
         console.print(table)
@@ -35,7 +33,7 @@ def info(bag: Path, *, json: bool) -> int:
 
 
 def as_mapping(found: Overview) -> dict[str, Any]:
-    """The object that ``info --json`` prints; null for what the bag does not say."""
+    """The object that ``info --json`` prints; null for values that the bag lacks."""
     summary = found.summary
     return {
         "bag": str(found.path),
@@ -75,7 +73,7 @@ def as_mapping(found: Overview) -> dict[str, Any]:
             {
                 "revision": revision.number,
                 "step": revision.step,
-                "changed": {change.key: [change.before, change.after] for change in revision.differences},
+                "changed": {change.key: [change.before, change.after] for change in revision.changed},
             }
             for revision in found.revisions
         ],
@@ -107,7 +105,7 @@ def tables(found: Overview) -> list[Table]:
     changes = Table("revision", "step", "key", "before", "after", title="revisions")
     for revision in found.revisions:
         where = [str(revision.number), str(revision.step)]
-        for key, *values in revision.differences or [("", None, None)]:
+        for key, *values in revision.changed or [("", None, None)]:
             changes.add_row(*where, key, *(_short(value) for value in values))
             where = ["", ""]
 

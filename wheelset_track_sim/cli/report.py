@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..bags import Bag
-from ..bags.files import beside
+from ..bags.bag_reader import beside
 from ..errors import InputError
 from ..report import plot_run, summary_table, survey
 from ..samples.impacts import ImpactSettings
-from ..twin.measured import Matching, compare
-from ..twin.measured.reading import read_measurement
+from ..twin.measured import Matching, Reading, compare, read_measurement
 from .console import terminal
 
 
@@ -19,12 +18,13 @@ def report(
     out: Path | None,
     settings: ImpactSettings | None = None,
     measured: Path | None = None,
-    lag: float | None = None,
+    matching: Matching | None = None,
+    reading: Reading | None = None,
 ) -> int:
     """Write the page and the picture next to it, print the table; returns the exit status.
 
-    ``measured`` is a file of measured loads or stresses, which the page shows beside the run with its zero at
-    ``lag``, about. Without ``out`` the page is beside the bag.
+    ``measured`` is a file of measured loads or stresses, which the page shows beside the run; ``reading`` and
+    ``matching`` say how to read it and where it lies. Without ``out`` the page is beside the bag.
     """
     if out is not None and out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out {out} is no page: give a name that ends in .html")
@@ -38,8 +38,7 @@ def report(
     page = out or beside(bag, ".html")
     comparison = None
     if measured is not None:
-        matching = Matching(lag=lag, threshold=(settings or ImpactSettings()).threshold)
-        comparison = compare(Bag(bag).blocks(), read_measurement(measured), matching)
+        comparison = compare(Bag(bag).blocks(), read_measurement(measured, reading), matching)
     console = terminal()
     console.print(summary_table(run))
     for loss in run.losses:

@@ -1,43 +1,40 @@
-"""``replay --simulate-again``: a recorded run simulated again, as it was or with something changed."""
+"""``resimulate``: a recorded run simulated again, as it was or with other settings."""
 
 from __future__ import annotations
 
-import json as json_text
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
-from ..samples.summary import Summary
-from ..scenario.scenario import WHEELS
-from ..twin import Again, simulate_again
-from ..twin.differences import Difference, Place
-from .console import terminal
+from ..scenario import WHEELS
+from ..twin import Resimulation, resimulate
+from ..twin.differences import Difference, SamplePlace
+from .console import print_object, terminal
 from .progress import shown
+from .run import peaks
 
 
-def again(bag: Path, settings: Sequence[str], out: Path | None, *, json: bool) -> int:
+def run_resimulate(bag: Path, settings: Sequence[str], out: Path | None, *, json: bool) -> int:
     """Simulate the run of a bag again and print how it compares; returns the exit status.
 
-    It is 1 if the same software on the same processor gives other numbers without anything having been set.
+    It is 1 if the same software on the same processor gives other numbers with the same settings.
     """
     with shown() as progress:
-        found = simulate_again(bag, settings, out, progress)
-    console = terminal()
+        found = resimulate(bag, settings, out, progress)
     if json:
-        text = json_text.dumps(as_mapping(found))
-        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+        print_object(as_mapping(found))
     else:
-        console.print(peaks(found))
+        console = terminal()
+        console.print(table(found))
         for line in verdict(found):
             console.print(line, highlight=False, soft_wrap=True)
-    unexplained = not (found.identical or found.settings or found.origin or found.inputs.start or found.unknown)
-    return 1 if unexplained else 0
+    return 1 if found.unexplained else 0
 
 
-def as_mapping(found: Again) -> dict[str, Any]:
-    """The object that ``replay --simulate-again --json`` prints."""
+def as_mapping(found: Resimulation) -> dict[str, Any]:
+    """The object that ``resimulate --json`` prints."""
     start = found.inputs.start
     return {
         "bag": str(found.path),
@@ -56,8 +53,8 @@ def as_mapping(found: Again) -> dict[str, Any]:
             {"revision": revision, "recorded_step": recorded, "step": step} for revision, recorded, step in found.moved
         ],
         "differs_here": {name: {"bag": bag, "here": here} for name, (bag, here) in found.origin.items()},
-        "recorded": _peaks(found.before),
-        "simulated": _peaks(found.after),
+        "recorded": peaks(found.before),
+        "simulated": peaks(found.after),
     }
 
 
@@ -73,35 +70,22 @@ def _difference(of: Difference | None, unit: str) -> dict[str, Any] | None:
     }
 
 
-def _place(of: Place) -> dict[str, Any]:
+def _place(of: SamplePlace) -> dict[str, Any]:
     return {"step": of.step, "time_s": of.time, "position_m": of.position}
 
 
-def _peaks(of: Summary) -> dict[str, Any]:
-    return {
-        "wheels": {
-            name: {"max_force_N": wheel.max_force, "min_force_N": wheel.min_force, "contact_loss_s": wheel.contact_loss}
-            for name, wheel in zip(WHEELS, of.wheels, strict=True)
-        },
-        "nodes": {
-            node.name: {"max_principal_Pa": node.max_principal, "min_principal_Pa": node.min_principal}
-            for node in of.nodes
-        },
-    }
-
-
-def peaks(found: Again) -> Table:
+def table(found: Resimulation) -> Table:
     """Peaks as recorded and as simulated again, for people: kN, MPa, ms."""
     changes = len(found.inputs.changes) - 1
     title = f"{found.path.absolute().name}: {found.duration:.4g} s, {found.samples} steps, {changes} changes"
     if found.settings:
         title += f"\nwith {', '.join(found.settings)}"
-    table = Table(title=title, title_justify="left")
+    shown_as = Table(title=title, title_justify="left")
     for heading in ("", "recorded", "as set" if found.settings else "simulated again", "difference"):
-        table.add_column(heading, justify="right" if heading else "left", no_wrap=True)
+        shown_as.add_column(heading, justify="right" if heading else "left", no_wrap=True)
 
     def row(label: str, before: float, after: float, unit: str, digits: int = 1) -> None:
-        table.add_row(label, *(f"{value:.{digits}f} {unit}" for value in (before, after, after - before + 0.0)))
+        shown_as.add_row(label, *(f"{value:.{digits}f} {unit}" for value in (before, after, after - before + 0.0)))
 
     for name, old, new in zip(WHEELS, found.before.wheels, found.after.wheels, strict=True):
         row(f"contact force {name}, max", old.max_force / 1e3, new.max_force / 1e3, "kN")
@@ -114,11 +98,11 @@ def peaks(found: Again) -> Table:
             label = f"max. principal stress {node.name}"
             row(f"{label}, max", node.max_principal / 1e6, new_node.max_principal / 1e6, "MPa")
             row(f"{label}, min", node.min_principal / 1e6, new_node.min_principal / 1e6, "MPa")
-    return table
+    return shown_as
 
 
-def verdict(found: Again) -> list[str]:
-    """What came out, in lines."""
+def verdict(found: Resimulation) -> list[str]:
+    """The result in lines of text."""
     lines = []
     start = found.inputs.start
     if start:

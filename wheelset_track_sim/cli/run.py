@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json as json_text
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -14,12 +13,13 @@ from rich.table import Table
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError
-from ..live.run_writer import RunWriter
+from ..live.run_messages import record
+from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS, load_scenario
+from ..scenario import WHEELS, load_scenario
 from ..simulation.simulator import Simulator
-from .console import terminal
+from .console import print_object, terminal
 from .progress import shown
 
 CHUNK = 1389
@@ -41,10 +41,12 @@ def run(
     json: bool,
     settings: RecordSettings | None = None,
     impacts: ImpactSettings | None = None,
+    warnings: Sequence[str] = (),
 ) -> int:
-    """Simulate a scenario and print what came out; returns the exit status.
+    """Simulate a scenario and print its peaks; returns the exit status.
 
-    ``settings`` say how it is recorded to ``out``, ``impacts`` what makes an impact there.
+    ``settings`` say how it is recorded to ``out``, ``impacts`` defines an impact there. ``warnings`` grow during the
+    run.
     """
     what = load_scenario(scenario, changes)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
@@ -52,30 +54,25 @@ def run(
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
-        writer = (
-            None if out is None else stack.enter_context(RunWriter(out, simulator, settings=settings, impacts=impacts))
-        )
-        chunk = LONG_CHUNK if writer is None else CHUNK
+        simulator.settle()
+        push: Callable[[SampleBlock, Summary], None] | None = None
+        if out is not None:
+            push = stack.enter_context(record(out, simulator, settings=settings, impacts=impacts))
+        chunk = CHUNK if push else LONG_CHUNK
         started = time.perf_counter()
         totals: Summary | None = None
         while (left := steps_left(simulator, duration)) > 0:
             block = simulator.advance(min(chunk, left))
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
-            if writer is not None:
-                writer.push(block, part)
+            if push is not None:
+                push(block, part)
             progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
-        if writer is not None:
-            writer.finish()
         wall = time.perf_counter() - started
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall)
-    result |= {"scenario": what.name, "digest": simulator.digest}
-    console = terminal()
-    if json:
-        console.print_json(json_text.dumps(result)) if console.is_terminal else print(json_text.dumps(result))  # noqa: T201
-    else:
-        console.print(table(result))
+    result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings]}
+    print_object(result) if json else terminal().print(table(result))
     return 0
 
 
@@ -93,17 +90,20 @@ def as_mapping(totals: Summary, simulated: float, wall: float) -> dict[str, Any]
         "simulated_s": simulated,
         "wall_s": wall,
         "real_time_factor": simulated / wall,
+        **peaks(totals),
+    }
+
+
+def peaks(of: Summary) -> dict[str, Any]:
+    """Extremes of forces and stresses, as commands print them with ``--json``."""
+    return {
         "wheels": {
-            name: {
-                "max_force_N": wheel.max_force,
-                "min_force_N": wheel.min_force,
-                "contact_loss_s": wheel.contact_loss,
-            }
-            for name, wheel in zip(WHEELS, totals.wheels, strict=True)
+            name: {"max_force_N": wheel.max_force, "min_force_N": wheel.min_force, "contact_loss_s": wheel.contact_loss}
+            for name, wheel in zip(WHEELS, of.wheels, strict=True)
         },
         "nodes": {
             node.name: {"max_principal_Pa": node.max_principal, "min_principal_Pa": node.min_principal}
-            for node in totals.nodes
+            for node in of.nodes
         },
     }
 

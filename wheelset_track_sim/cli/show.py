@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..report.pictures import show_scenario
-from ..scenario.scenario import load_scenario
+from ..scenario import load_scenario
 from .console import terminal
 from .progress import shown
 

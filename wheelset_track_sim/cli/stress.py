@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_text
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,11 +19,12 @@ from ..inputs.schema import check, quantity
 from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
-from ..twin.measured.csv_file import WHEELS, read_csv, write_csv
-from ..twin.measured.resampling import evenly
-from ..wheelset.kinds import load_any_wheelset, reduce_wheelset
+from ..twin.measured import Reading, read_measurement
+from ..twin.measured.csv_file import write_csv
+from ..twin.measured.measurement import WHEELS, evenly
+from ..wheelset.kinds import load_wheelset, reduce_wheelset
 from ..wheelset.reduced import COMPONENTS
-from .console import terminal
+from .console import print_object, terminal
 from .progress import shown
 
 CHUNK = 1000
@@ -44,11 +44,19 @@ class Running:
 
 
 def stress(
-    forces: Path, wheelset: str, nodes: Sequence[str] | None, speed: float | None, out: Path | None, *, json: bool
+    forces: Path,
+    wheelset: str,
+    nodes: Sequence[str] | None,
+    speed: float | None,
+    out: Path | None,
+    reading: Reading | None = None,
+    *,
+    json: bool,
+    warnings: Sequence[str] = (),
 ) -> int:
     """Work out the stresses, write and print them; returns the exit status."""
-    described = load_any_wheelset(wheelset)
-    block = _block(forces, speed)
+    described = load_wheelset(wheelset)
+    block = _block(forces, speed, reading)
     with shown() as progress:
         reduced = reduce_wheelset(described, progress)
     found = stresses_from_forces(reduced, block.forces, block.step_period, nodes)
@@ -70,16 +78,15 @@ def stress(
         result["out"] = str(out)
     console = terminal()
     if json:
-        text = json_text.dumps(result)
-        console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+        print_object(result | {"warnings": [*warnings]})
     else:
         console.print(_table(result))
     return 0
 
 
-def _block(path: Path, speed: float | None) -> SampleBlock:
+def _block(path: Path, speed: float | None, reading: Reading | None) -> SampleBlock:
     """Forces of a file at even distances in time, as a block without stresses."""
-    found = read_csv(path)
+    found = read_measurement(path, reading)
     missing = [wheel for wheel in WHEELS if wheel not in found.signals]
     if missing:
         raise InputError(f"{path} has no {' and no '.join(missing)}: the stress answers to the forces of both wheels")
@@ -88,14 +95,15 @@ def _block(path: Path, speed: float | None) -> SampleBlock:
     if found.axis == "position" and speed is None:
         raise InputError(f"{path} is over the position: give the --speed at which it was run, m/s")
     even = evenly(found)
+    start = float(found.origin) + even.start
     per_second = speed if found.axis == "position" and speed is not None else 1.0
     columns = [[*found.signals].index(wheel) for wheel in WHEELS]
     return SampleBlock(
         first_step=0,
-        time=even.start / per_second,
+        time=start / per_second,
         step_period=even.step / per_second,
         speed=speed if speed is not None else float("nan"),
-        position=even.start if found.axis == "position" else even.start * (speed or float("nan")),
+        position=start if found.axis == "position" else start * (speed or float("nan")),
         revision=0,
         forces=np.ascontiguousarray(even.signals[:, columns]),
         stresses=np.zeros((len(even.signals), 0, len(COMPONENTS))),

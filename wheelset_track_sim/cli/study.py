@@ -13,11 +13,10 @@ from rich.table import Table as RichTable
 from ..errors import WheelsetTrackError
 from ..inputs import shipped
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario, scenario_from
-from ..studies.conduct import Place, conduct
-from ..studies.registry import figure
+from ..scenario import Scenario, scenario_from
+from ..studies.conduct import Resources, conduct
 from ..studies.results import Results
-from ..studies.study import Run, Study, load_study
+from ..studies.study import FIGURES, Study, StudyRun, load_study
 from ..studies.summary_page import write_summary
 from ..studies.tables import Table, tables, write_csv
 from .console import terminal
@@ -35,11 +34,11 @@ class Task:
     name: str
     study: Study
     scenario: Scenario
-    runs: tuple[Run, ...]
+    runs: tuple[StudyRun, ...]
     out: Path
 
 
-def study(name: str, changes: Sequence[str], out: Path | None, place: Place) -> int:
+def study(name: str, changes: Sequence[str], out: Path | None, resources: Resources) -> int:
     """Run a study, or all shipped ones, and print what came out; returns the exit status.
 
     Raises InputError before anything runs for whatever cannot be used in any of them.
@@ -47,7 +46,7 @@ def study(name: str, changes: Sequence[str], out: Path | None, place: Place) -> 
     names = shipped.names("studies") if name == ALL else [name]
     tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
     console = terminal()
-    failed = sum(_carry_out(each, place, console) for each in tasks)
+    failed = sum(_carry_out(each, resources, console) for each in tasks)
     if failed:
         raise WheelsetTrackError(f"{failed} run{'s' * (failed > 1)} failed, as told above; the others are kept")
     return 0
@@ -62,17 +61,17 @@ def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
     return Task(short, what, scenario, runs, out or RESULTS / _folder(short, scenario, runs, changes))
 
 
-def _folder(name: str, scenario: Scenario, runs: Sequence[Run], changes: Sequence[str]) -> str:
+def _folder(name: str, scenario: Scenario, runs: Sequence[StudyRun], changes: Sequence[str]) -> str:
     """Name of the folder: study, dynamics, and what else was changed."""
     dynamics = sorted({run.scenario.dynamics for run in runs} or {scenario.dynamics})
     others = [change for change in changes if not change.startswith("dynamics=")]
     return "-".join([name, *dynamics, *(re.sub(r"[^\w.]+", "_", change).strip("_") for change in others)])
 
 
-def _carry_out(task: Task, place: Place, console: Console) -> int:
+def _carry_out(task: Task, resources: Resources, console: Console) -> int:
     """Run, draw, write and print one study; returns how many runs failed."""
     with shown() as progress:
-        results, there = conduct(task.name, task.study, task.runs, task.out, place, progress)
+        results, there = conduct(task.name, task.study, task.runs, task.out, resources, progress)
         files = _draw(task, results, progress)
     found = list(tables(results))
     made_by = results.made_by if task.runs else f"Scenario {task.scenario.name}, {task.scenario.dynamics} dynamics"
@@ -94,7 +93,7 @@ def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
         files += drawing.draw(results, task.out)
         progress(f"draw {task.name}", (number + 1) / drawings)
     for name in task.study.figures:
-        files += figure(name)(task.out, task.scenario, progress)
+        files += FIGURES[name](task.out, task.scenario, progress)
     return files + (write_csv(results, task.out) if task.runs else [])
 
 

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..inputs.schema import check, quantity
 from ..runtime.arrays import Real
 from .influence import contact_modulus
-from .profiles import Profile, RailHead, Straight
+from .profiles import LateralProfile, RailHead, Straight
 
 OUTWARDS = (-1.0, 1.0)
 """Which way the field side is under wheel 1, on the right, and wheel 2, on the left: y is positive to the left."""
@@ -27,11 +27,11 @@ FINE = 1e-5
 
 
 @dataclass(frozen=True)
-class Pair:
+class ProfilePair:
     """Profile of a wheel over that of a rail. ``y`` counts outwards from the middle of the rail's head."""
 
-    wheel: Profile = field(default_factory=Straight)
-    rail: Profile = field(default_factory=RailHead)
+    wheel: LateralProfile = field(default_factory=Straight)
+    rail: LateralProfile = field(default_factory=RailHead)
     shift: float = 0.0
     """Where the rolling circle is, m."""
 
@@ -132,7 +132,7 @@ class ContactGeometry:
     wheel_radius: float = quantity("m", 0.2, 1.0, "rolling radius of the wheel", default=0.43175)
     youngs_modulus: float = quantity("Pa", 1e9, 1e12, "Young's modulus of wheel and rail", default=210e9)
     poissons_ratio: float = quantity("", 0.0, 0.49, "Poisson's ratio of wheel and rail", default=0.3)
-    pairs: tuple[Pair, Pair] = (Pair(), Pair())
+    pairs: tuple[ProfilePair, ProfilePair] = (ProfilePair(), ProfilePair())
     """Of wheel 1 and 2."""
 
     def __post_init__(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 from scipy.special import elliprd, elliprf
 
 
@@ -33,7 +33,7 @@ class HertzContact:
             k2 = np.exp(2 * log_ratio)
             return float(np.log(elliprd(0, 1, k2) * self.radius_y / (elliprd(0, k2, 1) * self.radius_x)))
 
-        return float(np.exp(brentq(mismatch, -7.0, 7.0, xtol=1e-14)))
+        return float(np.exp(scipy.optimize.brentq(mismatch, -7.0, 7.0, xtol=1e-14)))
 
     def semi_axes(self, force: float) -> tuple[float, float]:
         """Longitudinal and lateral semi-axis, m, under ``force``, N."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from functools import lru_cache
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,73 @@ TABLE_FORCE = 400e3
 """Largest force in the tables, N, beyond that of most impacts: the work of a table grows with the square of it."""
 
 
+class RollingSurfaces(NamedTuple):
+    """Treads and rails that roll on each other, and where they can touch."""
+
+    x: Real
+    """Elements of the potential contact area along the track, (nx,), m, from below the axle."""
+    y: Real
+    """Elements across, (ny,), m, from where wheel and rail touch."""
+    treads: tuple[Real, Real]
+    """Heights of each tread over the rail's head, (n_c, m), m."""
+    rails: tuple[RailHeights, RailHeights]
+    sharper: HertzContact
+    """A smooth contact that needs a larger approach than these for the same force."""
+
+
+def rolling_surfaces(
+    irregularities: tuple[Irregularity, ...],
+    geometry: ContactGeometry,
+    dx: float,
+    n_c: int,
+    rail_steps: int,
+    dy: float = ELEMENT_WIDTH,
+    largest_force: float = 600e3,
+) -> RollingSurfaces:
+    """Heights of both treads and rails, and the potential contact area; arguments as of ``build_contact_law``.
+
+    A scenario is checked with it, and its contact law is built from it: the latest two are kept.
+
+    Raises
+    ------
+    InputError
+        For a grid that makes no sense, for what the irregularities refuse, and for points of a profile that end within
+        the potential contact area.
+    """
+    return _rolling_surfaces(irregularities, geometry, dx, n_c, rail_steps, dy, largest_force)
+
+
+@lru_cache(maxsize=2)
+def _rolling_surfaces(
+    irregularities: tuple[Irregularity, ...],
+    geometry: ContactGeometry,
+    dx: float,
+    n_c: int,
+    rail_steps: int,
+    dy: float,
+    largest_force: float,
+) -> RollingSurfaces:
+    _check(dx, dy, largest_force, rail_steps, n_c)
+    # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
+    ends = [abs(end - pair.touch) for pair in geometry.pairs for end in pair.span]
+    wide = evenly_spaced(int(max(ends) / dy * (1 + 1e-12)), dy)
+    touch, circle = (np.array([each(wheel) for wheel in (0, 1)]) for each in (geometry.touch, geometry.rolling_circle))
+    treads = [
+        tread_heights(irregularities, name, n_c, dx, wide + at) for name, at in zip(WHEELS, touch - circle, strict=True)
+    ]
+    rails = [
+        rail_heights(irregularities, name, rail_steps, dx, wide + at) for name, at in zip(RAILS, touch, strict=True)
+    ]
+    # A crown of the smaller radius needs a larger approach for the same force.
+    sharper = HertzContact(
+        geometry.wheel_radius, min(pair.sharpest for pair in geometry.pairs), geometry.contact_modulus
+    )
+    x, y = potential_contact_area(geometry, dx, dy, sharper.approach(largest_force), treads, rails)
+    if len(x) > n_c:
+        raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
+    return RollingSurfaces(x, y, (treads[0], treads[1]), (rails[0], rails[1]), sharper)
+
+
 def build_contact_law(
     irregularities: Sequence[Irregularity],
     geometry: ContactGeometry,
@@ -54,28 +122,29 @@ def build_contact_law(
     that is the fastest.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
-    _check(dx, dy, largest_force, rail_steps, n_c)
-    # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
-    ends = [abs(end - pair.touch) for pair in geometry.pairs for end in pair.span]
-    head = int(max(ends) / dy * (1 + 1e-12))
-    wide = evenly_spaced(head, dy)
-    touch, circle = (np.array([each(wheel) for wheel in (0, 1)]) for each in (geometry.touch, geometry.rolling_circle))
-    treads = [
-        tread_heights(irregularities, name, n_c, dx, wide + at) for name, at in zip(WHEELS, touch - circle, strict=True)
-    ]
-    rails = [
-        rail_heights(irregularities, name, rail_steps, dx, wide + at) for name, at in zip(RAILS, touch, strict=True)
-    ]
-    # A crown of the smaller radius needs a larger approach for the same force.
-    sharper = HertzContact(
-        geometry.wheel_radius, min(pair.sharpest for pair in geometry.pairs), geometry.contact_modulus
+    surfaces = rolling_surfaces(tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force)
+    return law_of_surfaces(
+        surfaces, geometry, dx, dy=dy, table_force=min(largest_force, TABLE_FORCE), tables=tables, progress=progress
     )
-    smooth_reach = sharper.approach(largest_force)
-    x, y = potential_contact_area(geometry, dx, dy, smooth_reach, treads, rails)
-    if len(x) > n_c:
-        raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
+
+
+def law_of_surfaces(
+    surfaces: RollingSurfaces,
+    geometry: ContactGeometry,
+    dx: float,
+    *,
+    dy: float = ELEMENT_WIDTH,
+    table_force: float = TABLE_FORCE,
+    tables: bool | Literal["smooth"] = True,
+    progress: Progress | None = None,
+) -> ContactLaw:
+    """Contact law of surfaces on elements dx x dy, m; other arguments as of ``build_contact_law``."""
+    x, y, treads, rails, sharper = surfaces
+    n_c = len(treads[0])
     nx, ny = len(x), len(y)
+    head = treads[0].shape[1] // 2
     shown = slice(head - ny // 2, head + ny // 2 + 1)
+    touch = np.array([geometry.touch(wheel) for wheel in (0, 1)])
     tread = np.stack([heights[:, shown] for heights in treads])
     rail_row, rail = both_rails([RailHeights(row, heights[:, shown]) for row, heights in rails])
     places = touch[:, None] + y
@@ -86,7 +155,6 @@ def build_contact_law(
     table, rail_table, smooth = np.full((2, n_c), -1, np.int32), np.full(rail_row.shape, -1, np.int32), 0
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
     if tables:
-        table_force = min(largest_force, TABLE_FORCE)
         placed = windows(tread, rail_row, rail, separation, sharper.approach(table_force))
         gaps, table, rail_table, smooth = placed
         if tables == "smooth":

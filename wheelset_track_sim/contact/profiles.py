@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from ..errors import InputError
 from ..runtime.arrays import Real
@@ -28,7 +28,7 @@ STEEP = 0.25
 """Slope up to which points are smoothed together: no contact is solved on what is steeper (``geometry.STEEPEST``)."""
 
 
-class Profile(Protocol):
+class LateralProfile(Protocol):
     """A lateral profile."""
 
     @property
@@ -142,6 +142,16 @@ class Points:
     noisy: bool = True
     """False for points that are exact: all are met, by a spline all along."""
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Points) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @cached_property
+    def _content(self) -> tuple[bytes, bytes, bool]:
+        return self.y.tobytes(), self.z.tobytes(), self.noisy
+
     def __post_init__(self) -> None:
         y, z = self.y, self.z
         if y.ndim != 1 or y.shape != z.shape or not FEWEST <= len(y) <= MOST:
@@ -191,10 +201,11 @@ class Points:
         return slice(first, last)
 
     @cached_property
-    def _spline(self) -> BSpline:
+    def _spline(self) -> scipy.interpolate.BSpline:
         part = self.running_surface if self.noisy else slice(None)
         y, z = 1e3 * self.y[part], 1e3 * self.z[part]  # in mm, in which neither is far from 1
-        return make_smoothing_spline(y, z) if self.noisy else make_interp_spline(y, z, k=3)
+        splines = scipy.interpolate
+        return splines.make_smoothing_spline(y, z) if self.noisy else splines.make_interp_spline(y, z, k=3)
 
     def height(self, y: ArrayLike) -> Real:
         """Height at ``y``, m."""
@@ -205,13 +216,17 @@ class Points:
         return np.where((y >= part[0]) & (y <= part[-1]), smooth, rest)
 
 
-def inclined(rail: Profile, tangent: float) -> Profile:
-    """A rail leaning to the middle of the track by ``tangent``, such as 1/40; y = 0 stays where it is."""
+def inclined(rail: LateralProfile, tangent: float) -> LateralProfile:
+    """A rail leaning to the middle of the track by ``tangent``, such as 1/40, about y = 0 at the height of its top.
+
+    Its heights may count from anywhere.
+    """
     if tangent == 0.0:
         return rail
     low, high = rail.span
     flat = np.linspace(low, high, 2 * int((high - low) / 2e-4) + 1)
     z = rail.height(flat)
+    z = z - z.max(initial=-np.inf, where=np.isfinite(z))
     cosine = 1.0 / np.hypot(1.0, tangent)
     across, up = cosine * (flat - tangent * z), cosine * (z + tangent * flat)
     middle = len(flat) // 2
@@ -222,7 +237,7 @@ def inclined(rail: Profile, tangent: float) -> Profile:
     return Points(across[first:last], up[first:last], noisy=False)
 
 
-def gauge_face(rail: Profile, below: float = 0.014) -> float:
+def gauge_face(rail: LateralProfile, below: float = 0.014) -> float:
     """Where the inner side of a rail is ``below`` its top, y in m; the gauge is measured there (EN 13848-1).
 
     Raises InputError if the profile ends above that.

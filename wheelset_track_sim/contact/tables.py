@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ContactError
-from ..runtime import cache
 from ..runtime.arrays import Real
+from ..runtime.cache import cached
 from ..runtime.progress import Progress
-from . import active_set_kernels, path_kernels
 from .path_kernels import follow_path
 
 if TYPE_CHECKING:
@@ -105,23 +104,22 @@ def force_tables(
 
     Raises ContactError for a curve that is not finite.
     """
-
-    def build() -> ForceTables:
-        curves = []
-        for number, gap in enumerate(gaps):
-            curves.append(_RECENT.curve(gap, influence, element_area, largest_force))
-            if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
-                raise ContactError(f"force table {number} of {len(gaps)} is not finite and rising")
-            if progress is not None:
-                progress("contact tables", (number + 1) / len(gaps))
-        first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
-        return ForceTables(first, np.concatenate(curves))
-
-    contents = hashlib.blake2b(digest_size=16)
-    for array in (influence, *gaps):
-        contents.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
-    key = cache.digest([contents.hexdigest(), element_area, largest_force], path_kernels, active_set_kernels)
-    tables = cache.cached("force-tables", ForceTables, key, build, most=STORED)
+    inputs = gaps, influence, element_area, largest_force
+    tables = cached("force-tables", ForceTables, _tables, *inputs, progress=progress, most=STORED)
     if len(tables.first) != len(gaps) + 1:
         raise ContactError(f"{len(tables.first) - 1} force tables are stored for {len(gaps)} geometries")
     return tables
+
+
+def _tables(
+    gaps: list[Real], influence: Real, element_area: float, largest_force: float, progress: Progress | None
+) -> ForceTables:
+    curves = []
+    for number, gap in enumerate(gaps):
+        curves.append(_RECENT.curve(gap, influence, element_area, largest_force))
+        if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
+            raise ContactError(f"force table {number} of {len(gaps)} is not finite and rising")
+        if progress is not None:
+            progress("contact tables", (number + 1) / len(gaps))
+    first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
+    return ForceTables(first, np.concatenate(curves))

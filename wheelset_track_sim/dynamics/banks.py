@@ -29,11 +29,16 @@ def banked(rows: Complex) -> Real:
     split = padded(rows, -1, banks * ROW).reshape(*rows.shape[:-1], banks, ROW)
     parts = np.stack([split.real, split.imag], axis=-3)  # (..., K, 2, banks, ROW)
     parts = np.moveaxis(parts, -2, -4)
-    memory = np.zeros(parts.size + REGISTER)
+    return aligned(parts).reshape(*rows.shape[:-2], banks, 2 * rows.shape[-2] * ROW)
+
+
+def aligned(values: Real) -> Real:
+    """Copy of ``values`` whose memory begins on the border of a vector register."""
+    memory = np.zeros(values.size + REGISTER)
     first = -memory.ctypes.data // memory.itemsize % REGISTER
-    aligned = memory[first : first + parts.size]
-    aligned.reshape(parts.shape)[...] = parts
-    return aligned.reshape(*rows.shape[:-2], banks, 2 * rows.shape[-2] * ROW)
+    copied = memory[first : first + values.size].reshape(values.shape)
+    copied[...] = values
+    return copied
 
 
 def unbanked(banks: Real, modes: int) -> Complex:

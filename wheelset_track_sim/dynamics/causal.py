@@ -22,7 +22,7 @@ from ..runtime.arrays import Complex, Real
 from ..runtime.one_core import on_one_core
 from ..track.balance import HalfModes, MovingTrack
 from ..wheelset.reduced import ReducedWheelset
-from .banks import banked, padded, unbanked, whole_registers
+from .banks import aligned, banked, padded, unbanked, whole_registers
 from .causal_kernels import Causal
 from .hold import hold
 from .running_wheelset import RunningWheelset, running_wheelset
@@ -69,6 +69,12 @@ class CausalModel(RunningWheelset):
             states = [to.carried(old, r) for to, old, r in zip(after, before, states, strict=True)]
         crossing = None if behind == speed else _track_steps_at(self, [step], dx, speed, behind)
         return self._at(wheel, states, dynamics.coming, dx, speed, behind, crossing)
+
+    def copied(self, dynamics: Causal) -> Causal:
+        """Dynamics in the same state that go on by themselves."""
+        return dynamics._replace(
+            wheels=aligned(dynamics.wheels), track=aligned(dynamics.track), coming=dynamics.coming.copy()
+        )
 
     @on_one_core
     def prepare(self, dx: float, speed: float) -> None:

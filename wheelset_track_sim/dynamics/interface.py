@@ -28,11 +28,6 @@ class DynamicsModel(Protocol):
         """Bound on a run, settling included, s."""
         ...
 
-    @property
-    def longest_step(self) -> float:
-        """Bound on the time of a step, s."""
-        ...
-
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
         """Displacements of wheel and rail together, (2,) m, under ``wheel_load`` N on both wheels, mean over a bay."""
         ...
@@ -46,6 +41,10 @@ class DynamicsModel(Protocol):
 
         Where they differ, what is returned serves for ``step`` alone.
         """
+        ...
+
+    def copied(self, dynamics: Any) -> Any:
+        """Dynamics in the state of ``dynamics`` that go on by themselves; coefficients are shared."""
         ...
 
     def prepare(self, dx: float, speed: float) -> None:

@@ -20,20 +20,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
 
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from ..runtime.one_core import on_one_core
 from ..track.line import TrackLine
+from .banks import aligned
 from .line_bay_kernels import COLUMNS, FACTORS, HALF, MIDDLE, NODES, RAIL_MODES, ROWS, SLEEPER
 from .line_kernels import Bays, Line, move
 from .line_steps import line_parts, line_steps
 from .running_wheelset import RunningWheelset
+
+STATE = tuple(name for name in Bays._fields if name not in ("parts", "steps"))
+"""Arrays of the bays that change from step to step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +45,6 @@ class LineModel(RunningWheelset):
     line: TrackLine
     residual: bool
     """Whether modes of the rail that are left out displace it at the force's instant."""
-    longest_step: ClassVar[float] = 2.0e-4
-    """In longer ones impacts come out twice as high, and from 0.3 ms on the force grows without bound, s."""
 
     @on_one_core
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
@@ -104,28 +104,23 @@ class LineModel(RunningWheelset):
         wheels = self.at(self.state_of(dynamics.wheels), dx, speed, behind)
         return dynamics._replace(**wheels._asdict(), bays=bays, speed=speed)
 
+    def copied(self, dynamics: Line) -> Line:
+        """Dynamics in the same state that go on by themselves."""
+        own = {name: getattr(dynamics.bays, name).copy() for name in STATE}
+        bays = dynamics.bays._replace(**own)
+        return dynamics._replace(
+            wheels=aligned(dynamics.wheels), coming=bays.coming, rail_compliance=bays.rail_compliance, bays=bays
+        )
+
     @on_one_core
     def prepare(self, dx: float, speed: float) -> None:
         """Work out what every run at ``speed`` m/s needs, and keep it for a while."""
         line_steps(self.line, self.residual, dx, speed)
 
 
-def line_model(running: RunningWheelset, line: TrackLine, dx: float, lag_zero: str) -> LineModel:
-    """Join a wheelset and a line; raises InputError for hanging sleepers that steps of ``dx`` m cannot follow."""
-    hanging = ~np.isnan(line.gap)
-    sleeper = line.track.sleeper
-    if hanging.any() and sleeper is not None:
-        damping, mass = line.ballast_damping[hanging].max(), sleeper.rhoA * sleeper.length
-        if damping * dx / SLOWEST > mass:
-            raise InputError(
-                f"the ballast damping of hanging sleepers, {damping:g} N s/m, is too high for steps of {dx:g} m: give "
-                f"up to {mass * SLOWEST / dx:.3g} N s/m"
-            )
+def line_model(running: RunningWheelset, line: TrackLine, lag_zero: str) -> LineModel:
+    """Join a wheelset and a line."""
     return LineModel(**vars(running), line=line, residual=lag_zero != "zero")
-
-
-SLOWEST = 5.0
-"""Lowest speed of a scenario, m/s."""
 
 
 _MOVER: list[Address] = []

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from ..runtime.arrays import Real
 from ..track.line import TrackLine, track_line
-from ..track.supports import Line as Uniform
+from ..track.supports import SupportLine
 from ..track.timoshenko import local_flexibility
 from .line_bay_kernels import (
     BEDS,
@@ -135,7 +135,7 @@ def _shapes(line: TrackLine, dx: float) -> tuple[Real, Real]:
     weights /= weights.sum()
     averaged = np.stack([np.convolve(column, weights, "same") for column in both.T], axis=1)
     around = slice(places - places // 2, places - places // 2 + places)
-    uniform = track_line(replace(line.track, line=Uniform(bays=COLUMNS)))
+    uniform = track_line(replace(line.track, line=SupportLine(bays=COLUMNS)))
     nodes = (np.arange(3)[:, None] * uniform.size + np.arange(2)).ravel()
     units = np.zeros((uniform.size * COLUMNS, 6))
     units[nodes, range(6)] = 1.0

@@ -7,7 +7,6 @@ set to zero (Section 2.3), that of the rail's is kept or not (``scenario.LAG_ZER
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -16,7 +15,6 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.one_core import on_one_core
 from ..runtime.progress import Progress
@@ -25,10 +23,7 @@ from ..wheelset.reduced import ReducedWheelset
 from .green_functions import folded, frequency_grid, green_function, integrated
 from .moving_green_functions import BAYS, moving_green_functions
 from .paper_kernels import Paper
-from .stress_rows import stress_rows
-
-MAX_FREQUENCY = 2500.0
-"""Hz, up to which the paper takes receptances."""
+from .running_wheelset import stress_rows
 
 WHEEL_PERIOD = 50.0
 """Length of the wheelset's Green's functions, s (Fig. 4)."""
@@ -68,7 +63,6 @@ class PaperModel:
     """Bays over which the rail's response is followed."""
     changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
-    longest_step: ClassVar[float] = math.inf
 
     @on_one_core
     def preload(self, wheel_load: float, dx: float, speed: float) -> Real:
@@ -103,6 +97,10 @@ class PaperModel:
         """Raises ValueError: a moving Green's function is that of one speed."""
         raise ValueError(f"moving Green's functions at {behind:g} m/s do not serve at {speed:g} m/s")
 
+    def copied(self, dynamics: Paper) -> Paper:
+        """Dynamics with the same past that go on by themselves."""
+        return dynamics._replace(past=dynamics.past.copy(), coming=dynamics.coming.copy(), done=dynamics.done.copy())
+
     def prepare(self, dx: float, speed: float) -> None:
         """Nothing: there is no other speed."""
 
@@ -115,23 +113,18 @@ def paper_model(
     track: Track,
     nodes: Sequence[str],
     *,
-    max_frequency: float | None,
+    max_frequency: float,
     lag_zero: str,
     progress: Progress | None = None,
 ) -> PaperModel:
     """Model of the ``paper`` dynamics; raises InputError for a stress node that the wheelset does not have."""
     rows, kept = stress_rows(wheelset, nodes)
-    return PaperModel(wheelset, track, max_frequency or MAX_FREQUENCY, lag_zero, tuple(rows), kept, progress)
+    return PaperModel(wheelset, track, max_frequency, lag_zero, tuple(rows), kept, progress)
 
 
 @lru_cache(maxsize=2)
 def _tables(model: PaperModel, dx: float, speed: float) -> _Tables:
     dt = dx / speed
-    if model.max_frequency > 0.5 / dt:
-        raise InputError(
-            f"max_frequency = {model.max_frequency:g} Hz is above half the sampling frequency of {1 / dt:g} Hz at "
-            f"{speed:g} m/s: give up to {0.5 / dt:g} Hz"
-        )
     fold = model.lag_zero == "folded"
     wheel, stress = _wheel_tables(model, dt, fold)
     green = moving_green_functions(

@@ -1,9 +1,9 @@
 """Axle stresses from given contact forces alone (Section 2.4): no track, no contact.
 
 The wheelset answers with its poles, and at once with what they leave of the static stress. The step is that of the
-simulation (``simulation.hold``), exact for forces that are linear between samples. A straight line between samples of
+simulation (``hold``), exact for forces that are linear between samples. A straight line between samples of
 a wave of frequency f is lower than the wave by ``sinc(f dt)^2``, 12 % at a fifth of the sampling rate: so a record with
-fewer than ``RATE`` samples a second is first sampled more finely, in its own band (``measured.resampling``).
+fewer than ``RATE`` samples a second is first sampled more finely, in its own band (``samples.resampling``).
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from ..errors import InputError
 from ..runtime.arrays import Real
-from ..twin.measured.resampling import band_limited
+from ..samples.resampling import band_limited
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from .hold import hold
-from .stress_rows import stress_rows
+from .running_wheelset import stress_rows
 
 RATE = 25e3
 """Samples a second with which the wheelset is stepped at least: a wave of 2500 Hz is lower by 3 % then."""
@@ -47,7 +47,7 @@ def stresses_from_forces(
     for pole, inputs, output, a, b0, b1 in zip(wheelset.poles, wheelset.inputs, outputs.T, *step, strict=True):
         load = forces @ inputs
         standing = -load[0] / pole
-        state = lfilter([b1, b0], [1.0, -a], load, zi=np.array([standing - b1 * load[0]]))[0][::finer]
+        state = scipy.signal.lfilter([b1, b0], [1.0, -a], load, zi=np.array([standing - b1 * load[0]]))[0][::finer]
         stress += np.multiply.outer(state.real, output.real) - np.multiply.outer(state.imag, output.imag)
     found = np.zeros((len(stress), len(names) * len(COMPONENTS)))
     found[:, kept] = stress

@@ -19,7 +19,7 @@ import difflib
 import math
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeVar
@@ -55,6 +55,22 @@ def quantity(unit: str, low: float, high: float, meaning: str = "", *, default: 
     """Field of a frozen dataclass that holds a number with unit and limits."""
     field: Any = dataclasses.field
     return field(default=default, metadata={"quantity": Quantity(unit, low, high, meaning)})
+
+
+def parsed(reader: Callable[[Any, str], Any], writer: Callable[[Any], Any], **options: Any) -> Any:
+    """Field of a frozen dataclass whose value has a form of its own in files.
+
+    Parameters
+    ----------
+    reader
+        Makes the value from plain data; its second argument is the dotted key, for messages. Raises InputError.
+    writer
+        Makes plain data from the value, from which ``reader`` makes an equal value.
+    **options
+        Of ``dataclasses.field``, such as ``default``.
+    """
+    field: Any = dataclasses.field
+    return field(metadata={"reader": reader, "writer": writer}, **options)
 
 
 def quantity_of(owner: type, name: str) -> Quantity:
@@ -94,7 +110,8 @@ def read(owner: type[T], data: Any, where: str) -> T:
             refusal = declared.refusal(path, data[name]) if declared else None
             if refusal:
                 raise InputError(refusal)
-            values[name] = _value(hints[name], data[name], path)
+            reader = field.metadata.get("reader")
+            values[name] = reader(data[name], path) if reader else _value(hints[name], data[name], path)
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise InputError(f"{path} is missing: give it in {where or 'the file'}")
     try:
@@ -110,7 +127,9 @@ def plain(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         kind = {"type": value.type} if hasattr(value, "type") else {}
         return kind | {
-            field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.init
+            field.name: field.metadata.get("writer", plain)(getattr(value, field.name))
+            for field in dataclasses.fields(value)
+            if field.init
         }
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
@@ -180,6 +199,9 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
         if data["type"] not in kinds:
             raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
+    members = [kind for kind in arguments if kind is not type(None)]
+    if len(members) == 1:
+        return _value(members[0], data, where)
     plain = [kind for kind in arguments if dataclasses.is_dataclass(kind)]
     if len(plain) == 1 and isinstance(data, Mapping):
         return _value(plain[0], data, where)

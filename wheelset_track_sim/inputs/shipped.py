@@ -26,9 +26,9 @@ def names(kind: str, suffix: str = ".yaml") -> list[str]:
     return sorted(entry.name.removesuffix(suffix) for entry in _folder(kind).iterdir() if entry.name.endswith(suffix))
 
 
-def text(kind: str, file: str) -> str:
-    """Content of a shipped file of a kind."""
-    return (_folder(kind) / file).read_text(encoding="utf-8")
+def file(kind: str, name: str) -> Traversable:
+    """Shipped file of a kind by its whole name."""
+    return _folder(kind) / name
 
 
 def load_yaml(kind: str, name_or_path: str | Path) -> Any:

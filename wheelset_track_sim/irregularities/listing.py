@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from ..errors import InputError
-from ..inputs.schema import read
 from ..inputs.yaml12 import parse
-from . import AnyIrregularity
+from .kinds import check_number, read_irregularities
+from .surface import Irregularity
 
 LONGEST = 256 * 1024
 """Bytes of a text at most."""
-MOST = 1000
-"""Irregularities at most, in a text and in a scenario."""
 
 
-@dataclass(frozen=True)
-class _Listed:
-    irregularities: tuple[AnyIrregularity, ...]
-
-
-def listed(text: str, located: Callable[[str], str]) -> tuple[AnyIrregularity, ...]:
+def listed(text: str, located: Callable[[str], str]) -> tuple[Irregularity, ...]:
     """Irregularities of a YAML text; an empty one has none.
 
     ``located`` finds the files that it names, or refuses them. Raises InputError that names the entry.
@@ -32,9 +24,8 @@ def listed(text: str, located: Callable[[str], str]) -> tuple[AnyIrregularity, .
     data = parse(text, "irregularities", trusted=False) or []
     if not isinstance(data, list):
         raise InputError(f"irregularities are a {type(data).__name__}: give a list, as in a scenario file")
-    if len(data) > MOST:
-        raise InputError(f"irregularities has {len(data)} entries: give at most {MOST}")
+    check_number(len(data))
     for item in data:
         if isinstance(item, dict) and isinstance(item.get("file"), str) and not item.get("table"):
             item["file"] = located(item["file"])
-    return read(_Listed, {"irregularities": data}, "").irregularities
+    return read_irregularities(data, "irregularities")

@@ -9,24 +9,24 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.signal import resample_poly
+import scipy
 
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..inputs import shipped
 from ..inputs.schema import quantity
+from ..inputs.units import UNITS
 from ..runtime.arrays import Real
-from .sample_file import Samples, read_table, samples_of
+from .samples import ACROSS, ALONG, HEIGHT, Samples, samples_of, taken
 from .stretch import part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
+from .turns import Drift, Turns, one_turn
 
-ALONG = {"rad": 1.0, "deg": math.pi / 180, "m": 1.0, "mm": 1e-3}
-ACROSS = {"m": 1.0, "mm": 1e-3}
-HEIGHT = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
 GAP = 2.5
 """Distances between neighbouring samples above this many times the median are gaps."""
 CLOSING = 0.2
 """Share of the circumference by which samples given in m may be longer or shorter than it: wheels wear."""
+SMOOTHEST = 2e-7
+"""Heights within less are no surface, m, but in another unit."""
 FINEST = 64
 """Samples a step at most that a filter takes in."""
 
@@ -35,8 +35,8 @@ FINEST = 64
 class Profile:
     """Measured heights r(along) or r(along, across); only their deviations count.
 
-    ``file`` is a CSV or NumPy file (``.npy``), a path or one that is shipped. Two columns are position along and
-    height; more are a table: positions across in the first row, along in the first column.
+    ``file`` is a text or NumPy file (``.npy``), a path or one that is shipped, with a column of positions along, and
+    one of heights or one for each position across (``samples.taken``).
     A tread is taken once around, by angle or by length, which is then scaled to the circumference, and has its mean
     taken off. A rail begins at ``start``, has the straight line through it taken off, and rises and falls over
     ``ramp``; with ``repeat`` it repeats all along. Waves shorter than two steps are filtered out first, so that they do
@@ -47,10 +47,10 @@ class Profile:
 
     on: Literal["wheel_1", "wheel_2", "rail_1", "rail_2"]
     file: str
-    along: Literal["rad", "deg", "m", "mm"]
-    """Unit of positions along the surface; rails take m and mm."""
-    height: Literal["m", "mm", "um"]
-    """Unit of heights or radii."""
+    along: Literal["rad", "deg", "m", "mm"] | None = None
+    """Unit of positions along the surface, if the file does not state it; rails take m and mm."""
+    height: Literal["m", "mm", "um"] | None = None
+    """Unit of heights or radii, if the file does not state it."""
     across: Literal["m", "mm"] = "mm"
     """Unit of lateral positions."""
     gaps: Literal["refuse", "fill"] = "refuse"
@@ -61,34 +61,55 @@ class Profile:
     repeat: bool = False
     table: str = ""
     """Content of the file, a row a line; read from it if empty, so that a scenario and its bag need no other file."""
+    column: str = ""
+    """Name or number of the column of heights, if there are several."""
+    turns: Turns = "refuse"
+    """What becomes of several turns of a wheel: ``first`` takes one, ``average`` the mean of the whole ones."""
+    drift: Drift = "keep"
+    """``remove`` takes off what a sensor drifted over the turn of a wheel, so that the end meets the beginning."""
 
     def __post_init__(self) -> None:
         check_shape(self, (*WHEELS, *RAILS))
         for name, known in (("along", ALONG), ("height", HEIGHT), ("across", ACROSS)):
-            if getattr(self, name) not in known:
+            if getattr(self, name) not in (*known, None):
                 raise InputError(f"{name} = {getattr(self, name)!r} is not a known unit: give {', '.join(known)}")
+        if not self.table:
+            source = shipped.located("measured", self.file)
+            found = taken(source, self.on, self.column, self.along, self.height, self.across)
+            for name, value in zip(("table", "along", "height", "across"), found, strict=True):
+                object.__setattr__(self, name, value)
+        for name in ("along", "height"):
+            if getattr(self, name) is None:
+                raise InputError(f"{name} is missing: give the unit in which {self.file} has it")
         if self.on in RAILS and self.along not in ACROSS:
             raise InputError(f"along = {self.along} is not of rails: give m or mm for {self.on}")
         if self.on in WHEELS and (self.start or self.repeat):
             raise InputError(f"start and repeat are of rails: leave them out for {self.on}, and give angle")
         if self.on in RAILS and self.angle:
             raise InputError(f"angle is of wheels: leave it out for {self.on}, and give start")
-        if not self.table:
-            object.__setattr__(self, "table", read_table(shipped.located("measured", self.file)))
+        if self.on in RAILS and (self.turns != "refuse" or self.drift != "keep"):
+            raise InputError(f"turns and drift are of wheels: leave them out for {self.on}")
         _ = self.samples
 
     @cached_property
     def samples(self) -> Samples:
         """Samples in m and rad, in their order along the surface, without gaps."""
+        assert self.along is not None
+        assert self.height is not None
         found = samples_of(self.table, self.file)
-        along, values = found.along * ALONG[self.along], found.values * HEIGHT[self.height]
+        along, values = found.along * UNITS[self.along].size, found.values * UNITS[self.height].size
+        spread = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
+        if 0.0 < spread < SMOOTHEST:
+            warn(f"{self.file} has heights within {spread:.3g} m, less than any surface: check the unit, height")
         around = 2 * math.pi if self.along in ("rad", "deg") else 0.0
+        if self.on in WHEELS and len(along) > 1:
+            along, values = one_turn(along, values, around or None, self.turns, self.drift, self.file)
         along = along % around if around else along
         order = np.argsort(along, kind="stable")
         along, values, across = along[order], values[order], found.across
         if across is not None:
             order = np.argsort(across)
-            across, values = across[order] * ACROSS[self.across], values[:, order]
+            across, values = across[order] * UNITS[self.across].size, values[:, order]
         return _whole(Samples(along, values, across), around, self.gaps, self.file)
 
     @property
@@ -144,7 +165,7 @@ class Profile:
             even = turn[0] + 2 * math.pi / count * np.arange(count)
             around = [turn[-3:] - 2 * math.pi, turn, turn[:3] + 2 * math.pi]
             ends = np.concatenate([values[-3:], values, values[:3]])
-            values = PchipInterpolator(np.concatenate(around), ends)(even)
+            values = scipy.interpolate.PchipInterpolator(np.concatenate(around), ends)(even)
         spectrum = np.fft.rfft(values - values.mean(), axis=0)[: (min(count, steps) + 1) // 2]
         turned = np.exp(-1j * np.arange(len(spectrum)) * turn[0])[:, None]
         return np.fft.irfft(spectrum * turned, steps, axis=0) * (steps / count)
@@ -155,8 +176,8 @@ class Profile:
         finer = min(max(1, math.ceil(dx / np.median(np.diff(along)) - 1e-6)), FINEST)
         steps = math.floor(np.ptp(along) / dx + 1e-6) + 1
         even = along[0] + np.arange((steps - 1) * finer + 1) * (dx / finer)
-        fine = PchipInterpolator(along, values)(np.minimum(even, along[-1]))
-        return fine if finer == 1 else np.asarray(resample_poly(fine, 1, finer, axis=0, padtype="line"))
+        fine = scipy.interpolate.PchipInterpolator(along, values)(np.minimum(even, along[-1]))
+        return fine if finer == 1 else np.asarray(scipy.signal.resample_poly(fine, 1, finer, axis=0, padtype="line"))
 
     def _across(self, heights: Real, y: Real) -> Real:
         """Heights of the columns at lateral positions ``y``, m."""

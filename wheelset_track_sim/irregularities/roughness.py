@@ -9,8 +9,10 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError
+from ..errors import InputError, warn
+from ..inputs import shipped
 from ..inputs.schema import Quantity, quantity
+from ..inputs.tables import read_table
 from ..runtime.arrays import Real
 from .stretch import check_stretch, part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
@@ -22,6 +24,12 @@ logarithm; levels of third octaves in dB re 1 um."""
 
 ACROSS = 4
 """Waves across for each wave along."""
+COVERED = 0.5
+"""Share of the band, over the logarithm of the wavelength, that a spectrum covers at least."""
+EDGE = 1.26
+"""A third octave: the next band beyond the ends of a spectrum has their levels."""
+STEEPEST = 5e-3
+"""Root mean square of a third octave over its wavelength at most: no surface that is run on is as steep."""
 WAVELENGTH = Quantity("m", 0.0005, 20.0, "a wavelength")
 LEVEL = Quantity("dB", -80.0, 80.0, "a level re 1 um")
 
@@ -31,9 +39,10 @@ class Roughness:
     """Waves of random phase whose third octaves along the surface follow a spectrum, ``level`` dB above it.
 
     The spectrum is a table of wavelength, m, and level of its third octave, dB re 1 um, with straight lines over the
-    logarithm of the wavelength between them; without one it is the limit of ISO 3095. Treads are rough all around,
-    rails all along or over a stretch. Lines along the surface ``d`` apart are coherent by exp(-k d) at the wavenumber
-    ``k``, as those of a surface alike in all directions nearly are; no wave is shorter across than the shortest along.
+    logarithm of the wavelength between them; ``file`` is a text file of it. Without one it is the limit of ISO 3095.
+    Treads are rough all around, rails all along or over a stretch. Lines along the surface ``d`` apart are coherent by
+    exp(-k d) at the wavenumber ``k``, as those of a surface alike in all directions nearly are; no wave is shorter
+    across than the shortest along.
     """
 
     type: ClassVar[str] = "roughness"
@@ -49,9 +58,13 @@ class Roughness:
     length: float | None = None
     """Of the stretch of a rail, m; None for all of it."""
     ramp: float = ramp()
+    file: str = ""
+    """File of the spectrum; read if ``spectrum`` is empty, so that a scenario and its bag need no other file."""
 
     def __post_init__(self) -> None:
         check_shape(self, (*WHEELS, *RAILS))
+        if self.file and not self.spectrum:
+            object.__setattr__(self, "spectrum", read_spectrum(self.file))
         if self.on in WHEELS and (self.length is not None or self.start):
             raise InputError(f"start and length are of rails: leave them out for {self.on}, which is rough all around")
         check_stretch(self.start, self.length, self.ramp)
@@ -68,6 +81,7 @@ class Roughness:
             raise InputError(
                 f"longest = {self.longest:g} m is less than shortest = {self.shortest:g} m: give a wider band"
             )
+        self._check_spectrum()
 
     @property
     def end(self) -> float:
@@ -78,6 +92,37 @@ class Roughness:
         """Levels, dB re 1 um, of the third octaves around wavelengths, m, ``level`` included."""
         known = np.array(sorted(self.spectrum) or sorted(zip(LIMIT_WAVELENGTHS, LIMIT_LEVELS, strict=True)))
         return np.asarray(np.interp(np.log(wavelength), np.log(known[:, 0]), known[:, 1]) + self.level)
+
+    def _check_spectrum(self) -> None:
+        """Refuse a spectrum that leaves most of the band to its ends, and warn of what looks wrong."""
+        if not self.spectrum:
+            return
+        wavelength, level = np.array(sorted(self.spectrum)).T
+        steep = 1e-6 * 10 ** ((level + self.level) / 20) / wavelength
+        if steep.max() > STEEPEST:
+            at = int(steep.argmax())
+            warn(
+                f"spectrum has {level[at] + self.level:g} dB re 1 um at a wavelength of {wavelength[at]:g} m, which is "
+                f"{steep[at]:.2g} of it, and running surfaces have up to {STEEPEST:g}: check the units, m and dB"
+            )
+        covered = _covered(wavelength, self.shortest, self.longest)
+        if self.shortest * EDGE >= wavelength[0] and self.longest <= wavelength[-1] * EDGE:
+            return
+        words = (
+            f"spectrum covers wavelengths from {wavelength[0]:g} to {wavelength[-1]:g} m, and roughness is made from "
+            f"shortest = {self.shortest:g} to longest = {self.longest:g} m"
+        )
+        if covered < COVERED:
+            units = (("cm", 1e-2), ("mm", 1e-3))
+            alike = [name for name, size in units if _covered(size * wavelength, self.shortest, self.longest) > COVERED]
+            hint = f"give wavelengths in m, if these are in {alike[0]}, or" if alike else "give"
+            raise InputError(f"{words}: {hint} a spectrum over the band, or a band within it")
+        missing = [
+            f"{low:g} to {high:g} m"
+            for low, high in ((self.shortest, wavelength[0]), (wavelength[-1], self.longest))
+            if high > low * EDGE
+        ]
+        warn(f"{words}: its end levels are used from {' and '.join(missing)}, give levels there, or a band within it")
 
     def field(self, steps: int, dx: float, y: Real) -> Real:
         """Heights that repeat after ``steps`` of ``dx``, m, at lateral positions ``y``, m: (steps, len(y)), m.
@@ -113,3 +158,29 @@ class Roughness:
         """Heights on ``surface`` at lateral positions ``y``, m; those of a stretch are of that stretch alone."""
         part = part_of(surface, self.start, self.length, self.ramp)
         yield Patch(part.first, self.field(part.steps, surface.dx, y) * part.share[:, None])
+
+
+def read_spectrum(file: str) -> tuple[tuple[float, float], ...]:
+    """Wavelengths, m, and levels, dB re 1 um, of a text file, a path or one that is shipped.
+
+    The columns are called wavelength and level, or they are the only ones, in this order. Headings have the unit of the
+    wavelengths. Raises InputError for anything else.
+    """
+    table = read_table(shipped.located("measured", file))
+    wavelength, level = (table.find(name) for name in ("wavelength", "level"))
+    if wavelength is None and level is None and len(table.columns) == 2:
+        wavelength, level = table.columns
+    if wavelength is None or level is None:
+        raise InputError(f"{file} has {table.listed()}: name the columns wavelength [m] and level [dB]")
+    size = table.size(wavelength, "length")
+    table.size(level, "level", None if level.unit else "dB")
+    rows = np.column_stack([size * wavelength.values, level.values])
+    return tuple((float(f"{at:.12g}"), value) for at, value in rows.tolist())
+
+
+def _covered(wavelength: Real, shortest: float, longest: float) -> float:
+    """Share of the band that a spectrum covers, over the logarithm of the wavelength."""
+    low, high = max(shortest, wavelength[0] / EDGE), min(longest, wavelength[-1] * EDGE)
+    if shortest == longest:
+        return float(low <= high)
+    return float(max(0.0, np.log(high / low)) / np.log(longest / shortest)) if high > low else 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,17 +72,55 @@ class Surface:
 
 
 class Irregularity(Protocol):
-    """Deviation of a tread or a rail from its nominal surface."""
+    """Deviation of a tread or a rail from its nominal surface: what a kind of irregularity has to have.
+
+    A kind is a frozen dataclass. Its fields are the keys that people give in a scenario file; numbers declared with
+    ``inputs.schema.quantity`` carry unit, limits and meaning, and ``check_shape`` in ``__post_init__`` checks them.
+    Where irregularities lie over one another, their heights add up. Kinds of other packages are registered as
+    ``irregularities.kinds`` says. A kind of a rail may have a property ``end``: the position where it ends, m.
+
+    Examples
+    --------
+    A groove around the tread, 10 mm wide:
+
+    >>> @dataclass(frozen=True)
+    ... class Groove:
+    ...     type: ClassVar[str] = "groove"
+    ...     on: Literal["wheel_1", "wheel_2"]
+    ...     depth: float = quantity("m", 0.0, 1e-3, "depth of the groove")
+    ...
+    ...     def patches(self, surface, y):
+    ...         across = np.where(np.abs(y) < 0.005, -self.depth, 0.0)
+    ...         yield Patch(0, np.tile(across, (surface.steps, 1)))
+    """
+
+    type: ClassVar[str]
+    """Name of the kind in scenario files."""
 
     @property
     def on(self) -> str:
-        """Name of the surface that has it."""
+        """Name of the surface that has it: ``wheel_1``, ``wheel_2``, ``rail_1`` or ``rail_2``."""
         ...
 
     def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
-        """Heights on ``surface`` at lateral positions ``y``, m, where they are not zero; patches add up.
+        """Heights on a surface where they are not zero.
 
-        Raises InputError if it cannot be on a surface of that length and step.
+        Parameters
+        ----------
+        surface
+            The tread or rail: its name, its number of steps, and their length ``dx``, m.
+        y : (m,) array
+            Lateral positions, m, positive to the left: from the rolling circle of a wheel, from the middle of a rail.
+
+        Returns
+        -------
+        iterable of Patch
+            First step and heights (steps, m) or (steps, 1), m, negative where material is missing. Patches add up.
+
+        Raises
+        ------
+        InputError
+            If it cannot be on a surface of that length and step.
         """
         ...
 
@@ -123,6 +161,10 @@ class RailHeights(NamedTuple):
     def all(self) -> Real:
         """(steps, len(y)), m."""
         return self.heights[self.row]
+
+    def at(self, steps: NDArray[np.int64]) -> Real:
+        """Heights at some steps, (len(steps), len(y)), m."""
+        return self.heights[self.row[steps]]
 
 
 def rail_heights(irregularities: Iterable[Irregularity], rail: str, steps: int, dx: float, y: Real) -> RailHeights:
@@ -194,12 +236,17 @@ def _patches(irregularities: Iterable[Irregularity], surface: Surface, y: Real) 
         if each.on != surface.name:
             continue
         for patch in each.patches(surface, y):
-            if len(patch.heights) > surface.steps:
-                raise InputError(
-                    f"{getattr(each, 'type', 'irregularity')} on {surface.name} is {len(patch.heights) * surface.dx:g} "
-                    f"m long: give one that fits into the {surface.length:g} m after which the surface repeats"
-                )
+            check_length(each, patch, surface)
             yield patch
+
+
+def check_length(irregularity: Irregularity, patch: Patch, surface: Surface) -> None:
+    """Raise InputError for a patch of an irregularity that is longer than its surface."""
+    if len(patch.heights) > surface.steps:
+        raise InputError(
+            f"{irregularity.type} on {surface.name} is {len(patch.heights) * surface.dx:g} m long: give one that fits "
+            f"into the {surface.length:g} m after which the surface repeats"
+        )
 
 
 def _check_heights(heights: Real, surface: Surface) -> None:

@@ -6,31 +6,47 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
 
+from ..bags.bag_writer import PREFIX
 from ..bags.buffered import BufferedWriter
 from ..bags.messages import Message
 from ..bags.settings import RecordSettings
 from ..bags.snapshots import writer_of
-from ..bags.writer import PREFIX
 from ..errors import InputError, RecordingError
-from ..monitoring.status import RecordingFigures, Status, recording_status
 from ..simulation.simulator import Simulator
-from .origin import run_info
+from .run_messages import run_info
 
 LONGEST_NAME = 200
 """Bytes of a name that comes over ROS."""
 
 
+@dataclass(frozen=True)
+class RecordingFigures:
+    """State of the recording."""
+
+    path: str = ""
+    """Of the open bag; empty if there is none."""
+    lost: Exception | None = None
+    """What the bag lost, or why the last one ended early."""
+    refused: Exception | None = None
+    """Why no bag could be opened."""
+    waiting: int = 0
+    """Bytes that wait for the disk."""
+    buffer_size: int = 0
+    """Largest number of bytes that may wait."""
+
+
 class Recorder:
-    """At most one open bag; its methods may be called from any thread, and what waits for a disk says so."""
+    """At most one open bag; its methods may be called from any thread, and return futures where they need the disk."""
 
     def __init__(self, prefix: str, log: Callable[[str], object]) -> None:
-        """``prefix`` stands before the topics in the bag: the name of the node with its namespace.
+        """``prefix`` comes before the topics in the bag: the name of the node with its namespace.
 
-        ``log`` is told in any thread what a bag loses.
+        ``log`` is called in any thread with what a bag loses.
         """
         self._prefix, self._log = prefix, log
         self._lock = threading.Lock()
@@ -39,10 +55,10 @@ class Recorder:
         self.settings = RecordSettings()
         """Of the recordings that begin from now on."""
         self.patient = False
-        """Whether samples wait for the disk, because nobody keeps time."""
+        """Whether samples wait for the disk, because the run keeps no time."""
         self._refused: InputError | None = None
         self.lost: RecordingError | None = None
-        """What the last recording lost, or ended before its time for."""
+        """What the last recording lost, or why it ended early."""
 
     @property
     def path(self) -> str:
@@ -51,17 +67,24 @@ class Recorder:
         return str(bag.path) if bag else ""
 
     @property
-    def status(self) -> Status:
-        """How the recording is."""
+    def bag(self) -> BufferedWriter:
+        """The open bag; InputError if there is none."""
+        bag = self._bag
+        if bag is None:
+            raise InputError("nothing is being recorded: start a recording first")
+        return bag
+
+    @property
+    def figures(self) -> RecordingFigures:
+        """State of the recording."""
         bag = self._bag
         waiting = bag.waiting if bag else 0
-        figures = RecordingFigures(self.path, self.lost, self._refused, waiting, self.settings.buffer_size)
-        return recording_status(figures)
+        return RecordingFigures(self.path, self.lost, self._refused, waiting, self.settings.buffer_size)
 
     def open(self, path: Path, simulator: Simulator, start_ns: int) -> BufferedWriter:
         """Open a bag for ``take``, which waits for the disk; ``start_ns`` is the time stamp of step 0, ns.
 
-        Raises InputError if one is taken already, or this one exists or cannot be written.
+        Raises InputError if another bag is being recorded, or this one exists or cannot be written.
         """
         self._require_none()
         info, settings = run_info(simulator), self.settings
@@ -73,7 +96,7 @@ class Recorder:
         return BufferedWriter(bag, settings.buffer_size, partial(self._on_loss, bag.path))
 
     def take(self, bag: BufferedWriter) -> None:
-        """Record to an open bag from the next message on; InputError if there is another."""
+        """Record to an open bag from the next message on; InputError if another one is being recorded."""
         with self._lock:
             if self._bag is None:
                 self._first = self._first if bag.path == self._beside else bag.path
@@ -88,38 +111,29 @@ class Recorder:
         if bag is not None:
             bag.put(messages, patient=self.patient)
 
-    def split(self) -> Future[Path]:
-        """Go on in the next file of the bag, the result; InputError if there is nothing to split.
-
-        As a result RecordingError if the disk refuses, which ends the recording.
-        """
-        return self._needed().split()
-
-    def snapshot(self) -> Future[Path]:
-        """Write what is kept, the result is the path; InputError if nothing is, likewise."""
-        return self._needed().snapshot()
-
     def stop(self) -> Future[str]:
-        """Take no more, and close the bag if one is open: the result is its path, or nothing.
+        """Record no more, and close the bag if one is open: the result is its path, or an empty one.
 
-        As a result RecordingError if the disk refuses.
+        The result is RecordingError if the disk refuses.
         """
         with self._lock:
             bag, self._bag = self._bag, None
-        stopped: Future[str] = Future()
-        if bag is None:
-            stopped.set_result("")
-            return stopped
+        if bag is not None:
+            return bag.close()
+        nothing: Future[str] = Future()
+        nothing.set_result("")
+        return nothing
 
-        def tell(closed: Future[None]) -> None:
-            failure = closed.exception()
-            if failure is None:
-                stopped.set_result(str(bag.path))
-            else:
-                stopped.set_exception(failure)
+    def beside(self) -> Path:
+        """A bag for the next run, beside that of the first: the first free one of ``PATH_2``, ``PATH_3``, ..."""
+        first = self._first
+        tried = (first.with_name(f"{first.stem}_{number}{first.suffix}") for number in count(2))
+        self._beside = next(path for path in tried if not path.exists())
+        return self._beside
 
-        bag.close().add_done_callback(tell)
-        return stopped
+    def path_now(self, folder: str) -> Path:
+        """A bag in ``folder``, named by date, time, and the name of the node unless that is the default."""
+        return Path(folder).expanduser() / name_now(self._prefix)
 
     def _on_loss(self, path: Path, reason: RecordingError, ended: bool) -> None:
         with self._lock:
@@ -128,31 +142,14 @@ class Recorder:
                 self._bag = None
         self._log(f"recording ends here: {reason}" if ended else str(reason))
 
-    def _needed(self) -> BufferedWriter:
-        bag = self._bag
-        if bag is None:
-            raise InputError("nothing is being recorded: start a recording first")
-        return bag
-
     def _require_none(self) -> None:
         bag = self._bag
         if bag is not None:
             raise InputError(f"{bag.path} is being recorded: stop it first")
 
-    def beside(self) -> Path:
-        """A bag for the next run, beside that of the first: the first of ``PATH_2``, ``PATH_3``, ... that is free."""
-        first = self._first
-        tried = (first.with_name(f"{first.stem}_{number}{first.suffix}") for number in count(2))
-        self._beside = next(path for path in tried if not path.exists())
-        return self._beside
-
-    def path_now(self, folder: str) -> Path:
-        """A bag in ``folder`` by date and time, and by the name of the node if it has one of its own."""
-        return Path(folder).expanduser() / name_now(self._prefix)
-
 
 def path_below(folder: str, name: str) -> Path:
-    """The bag ``name`` below ``folder``; InputError for a name that is too long or leads out of it, also by a link."""
+    """The path ``name`` below ``folder``; InputError for a name that is too long or leads out of it, also by a link."""
     shown = repr(name if len(name) < 50 else name[:50] + "...")
     size = len(name.encode(errors="surrogatepass"))
     if size > LONGEST_NAME:
@@ -170,6 +167,6 @@ def path_below(folder: str, name: str) -> Path:
 
 
 def name_now(node: str) -> str:
-    """Name of a bag by date and time, and by that of the node if it has one of its own: a fleet starts at one time."""
+    """Name of a bag by date and time, and by the node unless it has the default name: a fleet starts at one time."""
     own = "" if node == PREFIX else node.replace("/", "_")
     return time.strftime("run_%Y%m%d_%H%M%S") + own

@@ -1,135 +1,119 @@
-"""The one way to a changed run: parameters, services and topics all lead here. Knows nothing of ROS."""
+"""The one way to change a run: parameters, services and topics all lead here; without ROS."""
 
 from __future__ import annotations
 
 import dataclasses
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..bags.tread_damage import irregularities_of
-from ..errors import WheelsetTrackError
 from ..irregularities.listing import listed
 from ..runtime.progress import Progress
-from ..scenario.scenario import WHEELS, Scenario
+from ..scenario import WHEELS, Scenario
 from ..simulation.changes import Revision
 from ..simulation.simulator import Simulator
 from .recorder import path_below
 
-Change = Callable[[Scenario], Scenario]
-"""The scenario that is wanted next, from the one accepted last; raises InputError."""
-
-
-class Outcome(NamedTuple):
-    """What became of a change."""
-
-    success: bool
-    message: str
-    """Why it was refused; empty if it was accepted."""
-    revision: int
-    """Its number; if it was refused, or changed nothing, that of the newest one."""
-    step: int
-    """Step from which that revision is in force."""
-
 
 class Revisions:
-    """The scenario accepted last, one change after the other in the order in which they come, each whole or not at all.
+    """The scenario accepted last, and the changes of it: one after the other, each complete or not at all.
 
-    Without a simulator a change is in force from the start of the next run on. Methods may be called in any thread.
+    Every change returns its revision; if it changes nothing, the newest one. A rejected change raises
+    WheelsetTrackError: an InputError with quantity, value and limit, or a ContactError for treads whose contact cannot
+    be solved. Without a simulator, a change takes effect at the start of the next run. Methods may be called from any
+    thread.
     """
 
     def __init__(self, scenario: Scenario, follow: Callable[[Scenario], None], progress: Progress) -> None:
-        """``follow`` is told the scenario after each change that is no parameter's; it may not change it.
+        """``follow`` is called with the scenario after each change that parameters did not make; it must not change it.
 
-        What ``progress`` raises breaks off the change at hand.
+        An exception from ``progress`` breaks off the current change.
         """
         self.lock = threading.RLock()
-        """Held from the check of a change until it is known everywhere."""
+        """Held while a change is validated, accepted and followed."""
         self._scenario, self._follow, self._progress = scenario, follow, progress
         self._simulator: Simulator | None = None
         self._newest = Revision(0, 0)
 
     @property
     def scenario(self) -> Scenario:
-        """As accepted last."""
+        """The scenario accepted last."""
         return self._scenario
 
-    def attach(self, simulator: Simulator) -> None:
-        """Changes are those of a run from now on: it gets all that were accepted while it was built.
+    @property
+    def newest(self) -> Revision:
+        """The revision accepted last."""
+        return self._newest
 
-        Raises what ``change`` raises.
+    def attach(self, simulator: Simulator) -> None:
+        """Apply changes to a run from now on, beginning with all that were accepted while it was built.
+
+        Raises WheelsetTrackError if it cannot take them; then there is no run.
         """
         with self.lock:
-            self._simulator, self._newest = None, Revision(0, 0)
+            self.detach()
             if simulator.scenario != self._scenario:
                 self._newest = simulator.apply(self._scenario, self._progress)
                 self._scenario = simulator.scenario
             self._simulator = simulator
 
     def detach(self) -> None:
-        """There is no run."""
+        """Apply changes to no run."""
         with self.lock:
             self._simulator, self._newest = None, Revision(0, 0)
 
-    def change(self, change: Change) -> Revision:
-        """Accept a change; the newest revision if it changes nothing.
-
-        Raises WheelsetTrackError if it is refused: an InputError with quantity, value and limit, or a ContactError for
-        treads whose contact cannot be worked out.
-        """
+    def change(self, change: Callable[[Scenario], Scenario]) -> Revision:
+        """Make a change by parameters: ``change`` returns the next scenario from the one accepted last."""
         with self.lock:
             wanted = change(self._scenario)
             if wanted == self._scenario:
                 return self._newest
             if self._simulator is not None:
                 self._newest = self._simulator.apply(wanted, self._progress)
-                wanted = self._simulator.scenario  # which may have ended its speed plan
+                wanted = self._simulator.scenario  # without its speed plan, if the change ended that
             self._scenario = wanted
             return self._newest
 
-    def damage(self, damage: Sequence[Any]) -> Outcome:
+    def damage(self, damage: Sequence[Any]) -> Revision:
         """Replace all irregularities of both treads by messages ``TreadDamage``; those of the rails stay."""
 
         def change(scenario: Scenario) -> Scenario:
             on_rails = (each for each in scenario.irregularities if each.on not in WHEELS)
             return dataclasses.replace(scenario, irregularities=(*irregularities_of(damage), *on_rails))
 
-        return self._outcome(change)
+        return self._change_and_follow(change)
 
-    def irregularities(self, text: str, folder: str) -> Outcome:
+    def irregularities(self, text: str, folder: str) -> Revision:
         """Replace all irregularities of treads and rails by a YAML list; files in it lie below ``folder``."""
 
         def located(name: str) -> str:
             return str(path_below(folder, name))
 
-        return self._outcome(
-            lambda scenario: dataclasses.replace(scenario, irregularities=listed(text, located)),
+        return self._change_and_follow(
+            lambda scenario: dataclasses.replace(scenario, irregularities=listed(text, located))
         )
 
-    def speed(self, speed: float, acceleration: float = 0.0) -> Outcome:
+    def speed(self, speed: float, acceleration: float = 0.0) -> Revision:
         """Approach a speed, m/s; an ``acceleration`` of 0 leaves it as it is. Ends a speed plan."""
 
         def change(scenario: Scenario) -> Scenario:
             limited = scenario.acceleration if acceleration == 0 else acceleration
             return dataclasses.replace(scenario, speed=speed, acceleration=limited, speed_plan=())
 
-        return self._outcome(change)
+        return self._change_and_follow(change)
 
-    def torque(self, torque: float) -> Outcome:
+    def torque(self, torque: float) -> Revision:
         """Approach a torque of drive or brake, N m. Ends a torque plan."""
 
         def change(scenario: Scenario) -> Scenario:
-            return dataclasses.replace(
-                scenario, loads=dataclasses.replace(scenario.loads, torque=torque, torque_plan=())
-            )
+            loads = dataclasses.replace(scenario.loads, torque=torque, torque_plan=())
+            return dataclasses.replace(scenario, loads=loads)
 
-        return self._outcome(change)
+        return self._change_and_follow(change)
 
-    def _outcome(self, change: Change) -> Outcome:
+    def _change_and_follow(self, change: Callable[[Scenario], Scenario]) -> Revision:
         with self.lock:
-            try:
-                revision = self.change(change)
-            except WheelsetTrackError as refusal:
-                return Outcome(False, str(refusal), *dataclasses.astuple(self._newest))
+            revision = self.change(change)
             self._follow(self._scenario)
-        return Outcome(True, "", *dataclasses.astuple(revision))
+        return revision

@@ -8,12 +8,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from ..live.run_messages import Events
 from ..live.stream import Timing
-from ..live.watch import Seen
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from .limits import Limits
 from .status import (
     Level,
@@ -88,19 +88,19 @@ class Monitor:
             if factor != self._wanted:  # what was reached until now is no answer to that
                 self._wanted, self._factor, self._stretch = factor, math.nan, _Stretch()
 
-    def push(self, block: SampleBlock, summary: Summary, seen: Seen, timing: Timing, static_force: float) -> bool:
+    def push(self, block: SampleBlock, summary: Summary, events: Events, timing: Timing, static_force: float) -> bool:
         """Take in a block; whether something is worse now than it was last reported.
 
         ``static_force`` is that of each wheel, N.
         """
         with self._lock:
-            window, self._turn, self._static = self._window, seen.turn, static_force
+            window, self._turn, self._static = self._window, events.turn, static_force
             for wheel, load in enumerate(summary.wheels):
                 window.forces[wheel] = max(window.forces[wheel], load.max_force)
                 window.losses[wheel] += load.contact_loss
             for number, node in enumerate(summary.nodes):
                 window.stresses[number] = max(window.stresses[number], node.max_principal)
-            for impact in seen.impacts:
+            for impact in events.impacts:
                 self._impacts[impact.wheel] += 1
             window.lag, window.empty = max(window.lag, timing.lag), False
             self._stretch.simulated += len(block) * block.step_period

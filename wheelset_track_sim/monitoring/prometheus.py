@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from wsgiref.simple_server import WSGIRequestHandler, WSGIServer, make_server
 
 from ..errors import InputError
+from ..live.run_messages import Events
 from ..live.stream import Timing
-from ..live.watch import Seen
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from .status import Status
 
 if TYPE_CHECKING:
@@ -65,13 +65,13 @@ class Metrics:
             self._loss.labels(wheel)
             self._impacts.labels(wheel)
 
-    def push(self, block: SampleBlock, summary: Summary, seen: Seen, timing: Timing) -> None:
+    def push(self, block: SampleBlock, summary: Summary, events: Events, timing: Timing) -> None:
         """Take in a block."""
         for wheel, load in zip(WHEELS, summary.wheels, strict=True):
             self._loss.labels(wheel).inc(load.contact_loss)
-        for impact in seen.impacts:
+        for impact in events.impacts:
             self._impacts.labels(WHEELS[impact.wheel]).inc()
-        for turn in seen.turns:
+        for turn in events.turns:
             self._turns.inc()
             for wheel, force in zip(WHEELS, turn.forces, strict=True):
                 self._forces.labels(wheel).observe(force)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
+from ..live.recorder import RecordingFigures
 from .limits import Limits
 
 
@@ -138,22 +139,6 @@ def pace_status(pace: PaceFigures, limits: Limits) -> Status:
         told,
         _values(real_time_factor=factor, wanted_real_time_factor=pace.wanted, lag_s=pace.lag),
     )
-
-
-@dataclass(frozen=True)
-class RecordingFigures:
-    """How the bag is."""
-
-    path: str = ""
-    """Of the one that is open; empty if there is none."""
-    lost: Exception | None = None
-    """What it lost, or ended the last one before its time for."""
-    refused: Exception | None = None
-    """Why none could begin."""
-    waiting: int = 0
-    """Bytes that wait for the disk."""
-    buffer_size: int = 0
-    """Bytes that may."""
 
 
 def recording_status(bag: RecordingFigures) -> Status:

@@ -12,9 +12,7 @@ from ..contact.law import build_contact_law
 from ..contact.solutions import approach_for_force, solve_patch
 from ..irregularities import Breakout, breakouts
 from ..runtime.arrays import Real
-from ..scenario.scenario import WHEELS, Scenario
-from ..simulation.contact_geometry import contact_geometry
-from ..wheelset.kinds import load_any_wheelset
+from ..scenario import WHEELS, Scenario
 
 MARGIN = 2
 """Elements shown around the contact."""
@@ -43,14 +41,13 @@ class ContactMap:
 def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> ContactMap:
     """Contact of ``wheel`` (0 or 1) at a step of a run of ``scenario``, under a force, N.
 
-    Of all approaches of two bodies one bears the force, so nothing of the run is simulated again. Raises InputError
-    for a wheelset that cannot be read and ContactError for a force that the contact cannot bear.
+    Of all approaches of two bodies one bears the force, so nothing of the run is simulated again. Raises
+    ContactError for a force that the contact cannot bear.
     """
-    wheelset, dx = load_any_wheelset(scenario.wheelset), scenario.step_length
-    around = round(2 * math.pi * wheelset.rolling_radius / dx)
-    geometry, shapes = contact_geometry(scenario, wheelset), scenario.irregularities
+    dx, around = scenario.step_length, scenario.steps_per_revolution
+    geometry, shapes = scenario.geometry, scenario.irregularities
     law = build_contact_law(shapes, geometry, dx, around, rail_steps=scenario.line_steps, tables=False)
-    tread_step = step - round(scenario.reference_position / dx)
+    tread_step = step - scenario.tread_origin
     patch = solve_patch(law, wheel, tread_step, step, approach_for_force(law, wheel, tread_step, step, force))
     part_x, part_y = (_shown(patch.pressure.max(axis=axis) > 0) for axis in (1, 0))
     x, y = patch.x[part_x], patch.y[part_y]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime.arrays import Real
-from .samples import Samples
+from .samples import SampleSeries
 
 CAPACITY = 2**15
 """Most bins of a run: twice as many as a wide screen has columns of pixels, ten times over."""
@@ -44,9 +44,9 @@ class Envelope:
         self._first_step = 0
         self._time = np.zeros(capacity)
         self._low = self._high = np.zeros((capacity, 0))
-        self._rest: Samples | None = None
+        self._rest: SampleSeries | None = None
 
-    def push(self, samples: Samples) -> None:
+    def push(self, samples: SampleSeries) -> None:
         """Add the samples that follow."""
         if not self._low.shape[1]:
             self._low = np.zeros((self._capacity, samples.values.shape[1]))
@@ -62,7 +62,7 @@ class Envelope:
             time, values = time[full * self._size :], values[full * self._size :]
             if self._count == self._capacity:
                 self._halve()
-        self._rest = Samples(samples.end - len(time), time, time, values.copy())
+        self._rest = SampleSeries(samples.end - len(time), time, time, values.copy())
 
     def bins(self) -> Bins:
         """The bins so far."""
@@ -102,11 +102,11 @@ class Drawn:
     """(entries, columns)"""
 
 
-def drawn(bins: Bins, closeups: list[Samples]) -> Drawn:
+def drawn(bins: Bins, closeups: list[SampleSeries]) -> Drawn:
     """Bins of a run with every bin that lies within a close-up resolved into its samples."""
     if bins.size == 1:
         return Drawn(bins.time, bins.low, bins.high)
-    resolved: dict[int, Samples] = {}
+    resolved: dict[int, SampleSeries] = {}
     for closeup in closeups:
         first = -(-(closeup.first_step - bins.first_step) // bins.size)
         end = (closeup.end - bins.first_step) // bins.size

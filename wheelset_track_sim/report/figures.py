@@ -1,9 +1,12 @@
-"""Picture of a run: contact forces and principal stresses over the position along the track."""
+"""Figures: one look for all, and the picture of a run, forces and principal stresses over the position on the track."""
 
 from __future__ import annotations
 
 import io
 import math
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +16,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..runtime.arrays import Real
-from .samples import Samples
+from .files import write_whole
+from .samples import SampleSeries
 from .survey import Survey
 from .table import description
-from .whole_file import write_whole
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""
+WIDTH = 9.6
+"""Width of a figure, inches: 1200 pixels, legible at the width of a page."""
+DOTS = 125
+NOTE = 150
+"""Letters in a line of the note below a figure."""
+QUIET = "#5a5a5f"
 STYLE: Any = {
     "font.family": "sans-serif",
     "font.size": 10,
@@ -32,13 +41,24 @@ STYLE: Any = {
 }
 
 
+@contextmanager
+def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
+    """Figure in the style of the reports, with its title and, in grey, the model and dynamics that made it."""
+    with rc_context({**STYLE, "svg.hashsalt": title, "mathtext.default": "regular"}):
+        figure = Figure(figsize=(WIDTH, height), dpi=DOTS, layout="constrained")
+        figure.suptitle(title, fontsize=12, x=0.01, ha="left")
+        lines = "\n".join(textwrap.wrap(made_by, NOTE))
+        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET)
+        yield figure
+
+
 def plot_run(run: Survey, path: Path) -> Path:
     """Write one picture (PNG) of the part of a run to look at closely: forces on top, stresses below.
 
     Raises InputError if the path cannot be written.
     """
     with rc_context(STYLE):
-        figure = Figure(figsize=(9.6, 6.4), dpi=125, layout="constrained")
+        figure = Figure(figsize=(WIDTH, 6.4), dpi=DOTS, layout="constrained")
         axes = figure.subplots(2 if run.nodes else 1, 1, sharex=True, squeeze=False)[:, 0]
         part = detail(run)
         draw_forces(axes[0], run, part)
@@ -58,12 +78,12 @@ def write_png(figure: Figure, path: Path) -> Path:
     return write_whole(path, content.getvalue())
 
 
-def detail(run: Survey) -> Samples:
+def detail(run: Survey) -> SampleSeries:
     """Samples to look at closely: the passage that the paper prints, or else those around the largest contact force."""
     return run.passage.samples if run.passage else run.closeups[0].samples
 
 
-def draw_forces(axes: Axes, run: Survey, part: Samples) -> None:
+def draw_forces(axes: Axes, run: Survey, part: SampleSeries) -> None:
     """Contact forces of both wheels, kN."""
     mark_sleepers(axes, part, run.info.sleeper_spacing)
     if not math.isnan(run.wheel_load):
@@ -73,14 +93,14 @@ def draw_forces(axes: Axes, run: Survey, part: Samples) -> None:
     finish(axes, "contact force (kN)")
 
 
-def draw_stresses(axes: Axes, run: Survey, part: Samples) -> None:
+def draw_stresses(axes: Axes, run: Survey, part: SampleSeries) -> None:
     """Maximum principal stress at every node, MPa."""
     mark_sleepers(axes, part, run.info.sleeper_spacing)
     curves(axes, part, part.max_principal / 1e6, run.nodes)
     finish(axes, "max. principal stress (MPa)")
 
 
-def curves(axes: Axes, part: Samples, values: Real, names: tuple[str, ...]) -> None:
+def curves(axes: Axes, part: SampleSeries, values: Real, names: tuple[str, ...]) -> None:
     """One curve a column."""
     # The first curve is drawn last: the damaged wheel and the most stressed node lie on top.
     for column in reversed(range(values.shape[1])):
@@ -88,7 +108,7 @@ def curves(axes: Axes, part: Samples, values: Real, names: tuple[str, ...]) -> N
     axes.set_xlim(part.position[0], part.position[-1])
 
 
-def mark_sleepers(axes: Axes, part: Samples, spacing: float) -> None:
+def mark_sleepers(axes: Axes, part: SampleSeries, spacing: float) -> None:
     """A light vertical line above every sleeper."""
     if math.isnan(spacing):
         return

@@ -10,8 +10,8 @@ from bokeh.models import ColumnDataSource, Range1d
 from bokeh.models.layouts import LayoutDOM
 
 from ..runtime.arrays import Real
-from ..twin.measured.comparison import WHEELS, Comparison
-from ..twin.measured.rows import impact_rows, remarks, rows
+from ..twin.measured.comparison import Comparison, impact_rows, remarks, rows
+from ..twin.measured.measurement import WHEELS
 from .plots import below_one_another, curves, over_an_axis
 
 MOST = 20_000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import periodogram
+import scipy
 
 from ..runtime.arrays import Real
 
@@ -79,5 +79,5 @@ class Welch:
 
 
 def _density(values: Real, step_period: float) -> tuple[Real, Real]:
-    found = periodogram(values, 1 / step_period, window="hann", detrend="constant", axis=0)
+    found = scipy.signal.periodogram(values, 1 / step_period, window="hann", detrend="constant", axis=0)
     return np.asarray(found[0]), np.asarray(found[1])

@@ -16,18 +16,14 @@ from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import Scenario, scenario_from
-from ..wheelset.kinds import load_any_wheelset
-from .closeups import Closeup, Closeups
+from ..scenario import Scenario, scenario_from
 from .envelope import Bins, Envelope
-from .published import LoadCase, published_case
-from .samples import Samples, joined, samples_of
+from .published import LoadCasePassage, published_passage
+from .samples import Closeup, Closeups, SampleSeries, joined, samples_of
 from .spectrum import Spectrum, Welch
 
 BEFORE, AFTER = 0.9, 1.8
 """Track of a close-up before and after a peak, m: about one turn of the wheel."""
-BAYS = 3
-"""Length of the passage that the paper prints; the damage meets the rail in its middle, as in the studies."""
 AT_ONCE = 2**16
 """Steps of a gap that are passed at once."""
 ROUNDING = 1e-6
@@ -48,19 +44,6 @@ class Peak:
     force: float
     """N"""
     revision: int
-
-
-@dataclass(frozen=True, eq=False)
-class Passage:
-    """The part of a run that is a load case of the paper."""
-
-    case: LoadCase
-    start: float
-    """m"""
-    end: float
-    """m"""
-    summary: Summary
-    samples: Samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +72,7 @@ class Survey:
     speeds: tuple[tuple[float, float], ...]
     """Speed, m/s, from a time on, s."""
     summary: Summary
-    passage: Passage | None
+    passage: LoadCasePassage | None
     peak: Peak
     bins: Bins
     closeups: tuple[Closeup, ...]
@@ -160,10 +143,10 @@ class _Collected:
         self._peak: Peak | None = None
         self._speeds: list[tuple[float, float]] = []
         self._steps, self._duration = 0, 0.0
-        passage = _passage(self._scenario, info.sleeper_spacing)
+        passage = published_passage(self._scenario, info.sleeper_spacing)
         self._passage = passage if passage and first.position <= passage[1] + ROUNDING else None
-        self._passed: list[tuple[Summary, Samples]] = []
-        self._radius, self._threshold = _rolling_radius(self._scenario), math.nan
+        self._passed: list[tuple[Summary, SampleSeries]] = []
+        self._radius, self._threshold = self._scenario.wheelset.rolling_radius if self._scenario else math.nan, math.nan
         self._impacts: list[Impact] = []
         self._settings, self._detector = settings, self._new_detector(settings)
         self.wheel_load = math.nan
@@ -208,7 +191,7 @@ class _Collected:
         for start in range(0, missing, AT_ONCE):
             within = np.arange(start, min(start + AT_ONCE, missing), dtype=np.float64)
             nothing = np.full((len(within), block.forces.shape[1] + len(block.nodes)), math.nan)
-            samples = Samples(step + start, time + within * period, (step + within) * dx, nothing)
+            samples = SampleSeries(step + start, time + within * period, (step + within) * dx, nothing)
             self._envelope.push(samples)
             self._closeups.push(samples)
         self._welch.leave()
@@ -223,7 +206,7 @@ class _Collected:
         for impact in impacts:
             self._closeups.peak(impact.step, impact.peak_force)
 
-    def _look_for_peak(self, block: SampleBlock, samples: Samples) -> None:
+    def _look_for_peak(self, block: SampleBlock, samples: SampleSeries) -> None:
         row, wheel = divmod(int(block.forces.argmax()), block.forces.shape[1])
         force = float(block.forces[row, wheel])
         if self._peak is None or force > self._peak.force:
@@ -232,7 +215,7 @@ class _Collected:
             self._peak = Peak(wheel, step, *where, force, block.revision)
             self._closeups.peak(step, force)
 
-    def _collect_passage(self, block: SampleBlock, samples: Samples) -> None:
+    def _collect_passage(self, block: SampleBlock, samples: SampleSeries) -> None:
         if self._passage is None:
             return
         _, first, last = self._passage
@@ -263,7 +246,7 @@ class _Collected:
         passage = None
         if self._passage and self._passed and end >= self._passage[2] - ROUNDING:
             summaries, samples = zip(*self._passed, strict=True)
-            passage = Passage(*self._passage, combine(summaries), joined(samples))
+            passage = LoadCasePassage(*self._passage, combine(summaries), joined(samples))
         return Survey(
             path=path,
             info=self._info,
@@ -294,24 +277,3 @@ def _read(text: str) -> Scenario | None:
         return scenario_from(parse(text, "scenario of the bag"))
     except InputError:
         return None
-
-
-def _rolling_radius(scenario: Scenario | None) -> float:
-    """m; NaN if the wheelset is in a file that is not here."""
-    try:
-        return load_any_wheelset(scenario.wheelset).rolling_radius if scenario else math.nan
-    except InputError:
-        return math.nan
-
-
-def _passage(scenario: Scenario | None, spacing: float) -> tuple[LoadCase, float, float] | None:
-    """What of a run the paper prints, from and to a position, m; None if it is another case.
-
-    The paper's damage meets the rail once, above a sleeper, and its maxima are those of three sleeper bays (Section
-    5.4). In a longer run the damage comes back at other places of the bay; these passages are not the paper's case.
-    """
-    case = published_case(scenario) if scenario else None
-    if scenario is None or case is None or math.isnan(spacing):
-        return None
-    first = scenario.reference_position - BAYS * spacing / 2
-    return case, first, first + BAYS * spacing

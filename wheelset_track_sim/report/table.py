@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from rich.table import Table
 
 from ..samples.summary import Summary
-from .survey import Passage, Survey
+from .published import LoadCasePassage
+from .survey import Survey
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """One figure in the unit that people use: of the whole run, of the passage that the paper prints, of the paper."""
 
     label: str
@@ -35,13 +36,13 @@ class Row:
         return run, passage, paper, difference
 
 
-def rows(run: Survey) -> list[Row]:
+def rows(run: Survey) -> list[TableRow]:
     """Figures of a run, beside the paper's if there is something to compare."""
     load = run.wheel_load
     passage = _figures(run.passage.summary, load) if run.passage else {}
     printed = _figures(run.passage.case.printed, load) if run.passage else {}
     return [
-        Row(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
+        TableRow(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
         for (label, unit), value in _figures(run.summary, load).items()
     ]
 
@@ -74,11 +75,11 @@ def description(run: Survey) -> str:
 
 
 def headings(run: Survey) -> tuple[str, ...]:
-    """Headings of the columns that a table needs: those of ``Row.cells``, or only the first."""
+    """Headings of the columns that a table needs: those of ``TableRow.cells``, or only the first."""
     return ("whole run", "passage", "paper", "difference") if run.passage else ("whole run",)
 
 
-def source(passage: Passage) -> str:
+def source(passage: LoadCasePassage) -> str:
     """What the figures of the paper are, and what of the run stands beside them."""
     return (
         f"Passage: {passage.start:.4g} to {passage.end:.4g} m, where angle 0 of the treads first meets the rail, "

@@ -10,13 +10,12 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from ..live.run_messages import Events
 from ..live.stream import Timing
-from ..live.watch import Seen, Watch
 from ..monitoring.monitor import Monitor
 from ..monitoring.prometheus import Endpoint, Metrics
 from ..monitoring.status import Level, Status
 from ..samples.block import SampleBlock
-from ..samples.impacts import Impact
 from ..samples.summary import Summary
 from ..simulation.simulator import Simulator
 from .conversions import diagnostics
@@ -35,7 +34,6 @@ class Monitoring:
         self._name = node.get_fully_qualified_name().lstrip("/")
         self._simulation = Status("simulation", Level.OK, "unconfigured")
         self._simulator: Simulator | None = None
-        self._watch: Watch | None = None
         self._monitor: Monitor | None = None
         self._metrics: Metrics | None = None
         self._endpoint: Endpoint | None = None
@@ -61,15 +59,13 @@ class Monitoring:
             self._metrics = Metrics()
             self._endpoint = Endpoint(self._metrics, port, self._parameters["prometheus.address"])
         self._simulator = simulator
-        self._watch = Watch(simulator, settings.impact)
         self._monitor = Monitor(simulator.scenario.output.stress_nodes, settings.impact.threshold, settings.limits)
         self._monitor.wanted = real_time_factor
         self.pause("configured, not active")
 
     def change(self, settings: Watching, real_time_factor: float) -> None:
         """Settings that are in force from the next chunk on."""
-        if self._watch is not None and self._monitor is not None:
-            self._watch.detector.settings = settings.impact
+        if self._monitor is not None:
             self._monitor.threshold, self._monitor.limits = settings.impact.threshold, settings.limits
             self._monitor.wanted = real_time_factor
 
@@ -88,21 +84,14 @@ class Monitoring:
         self._pause = why
         self._tell(why, Level.ERROR)
 
-    def push(self, block: SampleBlock, summary: Summary, timing: Timing) -> Seen:
-        """Take in the latest block of the simulator: what it brings."""
-        assert self._watch is not None
+    def push(self, block: SampleBlock, summary: Summary, events: Events, timing: Timing) -> None:
+        """Take the latest block of the simulator, with the impacts and turns in it."""
         assert self._monitor is not None
         assert self._simulator is not None
-        seen = self._watch.push(block, summary)
         if self._metrics is not None:
-            self._metrics.push(block, summary, seen, timing)
-        if self._monitor.push(block, summary, seen, timing, self._simulator.in_force.wheel_load):
+            self._metrics.push(block, summary, events, timing)
+        if self._monitor.push(block, summary, events, timing, self._simulator.in_force.wheel_load):
             self.report()
-        return seen
-
-    def finish(self) -> list[Impact]:
-        """Impacts that are not over at the end of the run."""
-        return self._watch.finish() if self._watch is not None else []
 
     def end(self, told: str = "unconfigured") -> None:
         """There is no run any more."""
@@ -123,7 +112,7 @@ class Monitoring:
     def _clear(self) -> None:
         if self._endpoint is not None:
             self._endpoint.close()
-        self._simulator = self._watch = self._monitor = self._metrics = self._endpoint = None
+        self._simulator = self._monitor = self._metrics = self._endpoint = None
 
     def _tell(self, message: str, level: Level = Level.OK) -> None:
         simulator = self._simulator

@@ -20,6 +20,7 @@ from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..live.recorder import Recorder
 from ..live.revisions import Revisions
+from ..monitoring.status import recording_status
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .answers import answer_always
@@ -27,7 +28,7 @@ from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
-from .run import Run
+from .run import NodeRun
 from .services import Services
 
 NAME = "wheelset_track_sim"
@@ -69,14 +70,14 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._time = NodeClock(self, publish=self.parameters["publish_clock"])
         scenario = self.parameters.changed({}, self.parameters.file)
         self.revisions = Revisions(scenario, self.parameters.follow, self._stop_if_interrupted)
-        self.run: Run | None = None
+        self.run: NodeRun | None = None
         """From configuring to cleaning up."""
         self._bag: Path | None = None  # to be opened at step 0
         self._earliest_ns = 0  # time stamp of the next run: stamps do not go back
         self._outputs = Outputs(self, self.parameters.decimation({}))
         self.recorder = Recorder(self.get_fully_qualified_name(), self.get_logger().error)
         self._set_recorder(self.parameters.recording({}))
-        self._monitoring = Monitoring(self, self.parameters, lambda: self.recorder.status)
+        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self.recorder.figures))
         Services(self)
         answer_always(self)
         self.add_on_set_parameters_callback(self._on_parameters)
@@ -183,6 +184,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         """Another run instead of the one at hand, which goes on if that one did."""
         before = self.needed_run()
         simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
+        simulator.settle()
         running, recording = before.running, self.recorder.path
         before.end()
         with suppress(RecordingError):  # the recorder keeps it
@@ -193,7 +195,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         else:
             self.needed_run().stand("reset, not active")
 
-    def needed_run(self) -> Run:
+    def needed_run(self) -> NodeRun:
         """The run; raises InputError if there is none."""
         if self.run is None:
             raise InputError("there is no run: configure the node first")
@@ -241,6 +243,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
         scenario = self.revisions.scenario
         simulator = Simulator(scenario, progress, self._models.models(scenario, progress))
+        simulator.settle()
         bag = None
         if self.parameters["record.on_start"]:
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
@@ -259,8 +262,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.revisions.attach(simulator)
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
-        run = Run(simulator, *outlets, self._time, self.get_logger(), self._on_end)
-        run.start_ns = self._now_ns()
+        impacts = self.parameters.watching({}).impact
+        run = NodeRun(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts)
+        run.messages.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 
     def _activate(self, previous: LifecycleState) -> None:
@@ -288,7 +292,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def _go_on(self) -> None:
         run = self.needed_run()
         if run.next_step == 0 and not self.recorder.path:
-            run.start_ns = self._now_ns()
+            run.messages.start_ns = self._now_ns()
             if self._bag is not None:
                 self.recorder.take(self.recorder.open(self._bag, run.simulator, run.start_ns))
             self._bag = None
@@ -353,6 +357,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self._earliest_ns = 0  # stamps of another time
         self._outputs.decimation = self.parameters.decimation(changes)
         self._monitoring.change(watching, pace.real_time_factor)
+        if self.run is not None:
+            self.run.messages.detector.settings = watching.impact
         if pace != self._pace:
             self._pace = pace
             if self.run is not None:

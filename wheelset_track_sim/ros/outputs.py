@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from ..bags.messages import Message, sample_messages, stress_topic
-from ..bags.rosbag2_metadata import DEPTH, LATCHED_TOPICS
+from ..bags.topics import DEPTH, LATCHED_TOPICS
 from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
 from .acknowledged import wait_for_subscribers

@@ -18,7 +18,7 @@ from ..live.pacing import Pace
 from ..monitoring.limits import Limits
 from ..samples.decimation import FACTOR
 from ..samples.impacts import ImpactSettings
-from ..scenario.scenario import Scenario, load_scenario
+from ..scenario import Scenario, load_scenario
 from ..scenario.values import SCENARIO_NUMBERS, Values, values_of, with_values
 from .declaring import declare, described, fixed, number, warn_of_unknown, whole
 

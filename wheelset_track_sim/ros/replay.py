@@ -1,9 +1,10 @@
-"""The replay node: publishes what a bag holds as the node did that was recorded."""
+"""The replay node and its process: it publishes the messages of a bag as the recorded node did."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import ExitStack
 from importlib import import_module
@@ -12,43 +13,47 @@ from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.exceptions import InvalidTopicNameException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..bags.playback.chunks import Played
-from ..bags.playback.player import Player
-from ..bags.playback.recorded_bag import RecordedBag
+from ..bags.bag_writer import PREFIX
+from ..bags.playback.recorded_bag import Played, RecordedBag
 from ..bags.playback.selection import Selection
 from ..bags.playback.stamps import Restamping, stamp_of, with_stamp
-from ..bags.playback.topics import CLOCK, Topic
-from ..bags.writer import PREFIX
+from ..bags.topics import Topic
 from ..errors import InputError, WheelsetTrackError
+from ..live.player import Player
 from .acknowledged import wait_for_subscribers
 from .answers import answer_always
+from .clock import TOPIC as CLOCK
 from .clock import NodeClock
+from .hosting import Ending, next_ending, own_arguments, session, spinning
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
 
 NAME = PREFIX.strip("/")
+ANSWER_TIME = 1.0
+"""Time for the client of ``stop`` to receive the answer before the node ends, s."""
 
 
 class ReplayNode(Node):  # type: ignore[misc]
-    """A bag that is played: the same topics, types, qualities of service and bytes as of the node that was recorded.
+    """A bag that is played with the topics, types, qualities of service and bytes of the recorded node.
 
     Parameters are in ``replay_parameters``, services in ``replay_services``.
     """
 
     def __init__(self, end: Callable[[Exception | None], None], given: Mapping[str, Any], name: str = NAME) -> None:
-        """``given`` are parameters that stand above those of ROS; ``end`` is called when the bag is over.
+        """``given`` overrides parameters of ROS; ``end`` is called at the end of the bag.
 
-        Raises InputError for parameters it cannot use, RecordingError for a bag.
+        Raises InputError for parameters that cannot be used, RecordingError for a bag that cannot be played.
         """
         super().__init__(name, parameter_overrides=[Parameter(key, value=value) for key, value in given.items()])
         self._end = end
         self.parameters = ReplayParameters(self)
         self._interrupted = False
-        self._named = 0  # damages that have been told
+        self._reported = 0  # damages that have been logged
         self._origin_ns = 0
         self._thread = threading.Thread(target=self._play, name="replay")
         self._time = NodeClock(self, publish=self.parameters["publish_clock"])
@@ -63,21 +68,21 @@ class ReplayNode(Node):  # type: ignore[misc]
                 self.seek(self.parameters["position"])
             self._outlets = {topic.name: self._publisher(topic) for topic in self._topics.values()}
             stack.pop_all()
-        ReplayServices(self)
+        ReplayServices(self, self.player, self.position, self.finish)
         answer_always(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
     def begin(self) -> None:
-        """Play, as soon as there is a time to be played at."""
+        """Play as soon as there is a time on the clock."""
         self._thread.start()
 
     def finish(self) -> None:
-        """End the replay where it is."""
+        """End the replay at once."""
         self.player.stop()
         self._end(None)
 
     def close(self) -> None:
-        """Stop, from outside of all callbacks."""
+        """Stop; not to be called from a callback."""
         self._interrupted = True
         self.player.stop()
         self._time.wake()
@@ -86,7 +91,7 @@ class ReplayNode(Node):  # type: ignore[misc]
         self._bag.close()
 
     def seek(self, position: float) -> Future[None]:
-        """Go on from a time in the bag, s; raises InputError for one that is not played."""
+        """Continue from a time in the bag, s; raises InputError for one that is not played."""
         return self.player.seek(self.selection.start_ns + round(position * 1e9))
 
     def position(self) -> float:
@@ -94,13 +99,13 @@ class ReplayNode(Node):  # type: ignore[misc]
         return (self.player.position_ns - self.selection.start_ns) * 1e-9
 
     def _playable(self) -> dict[str, Topic]:
-        """Topics that can be published here; the others are named. Raises InputError if there are none."""
+        """Topics that can be published here; the others are logged. Raises InputError if there are none."""
         found: dict[str, Topic] = {}
         left_out = []
         for name, topic in self._bag.topics.items():
             reason = _hindrance(topic)
             if name == CLOCK and self.parameters["publish_clock"]:
-                reason = "this node tells the time"
+                reason = "this node publishes the time"
             if reason:
                 left_out.append(f"{name}: {reason}")
             else:
@@ -120,7 +125,7 @@ class ReplayNode(Node):  # type: ignore[misc]
         )
         name = self.parameters.renamed(topic, self._bag.topics.values())
         try:
-            return self.create_publisher(_message_type(topic.kind), name, quality)
+            return self.create_publisher(_message_type(topic.type), name, quality)
         except InvalidTopicNameException as refusal:
             raise InputError(f"prefix = {self.parameters['prefix']}: {' '.join(str(refusal).split())}") from None
 
@@ -138,8 +143,8 @@ class ReplayNode(Node):  # type: ignore[misc]
         self.player.run()
 
     def _moved(self, begin_ns: int, played_ns: int) -> None:
-        """In the player's thread: another part of the bag follows; late subscribers are told what holds there."""
-        self._tell_damages()
+        """In the player's thread: another part of the bag follows, so publish the latched messages in force there."""
+        self._report_damages()
         if self._restamping is not None:
             self._restamping.restart()
         for message in self.selection.held_at(begin_ns):
@@ -148,27 +153,27 @@ class ReplayNode(Node):  # type: ignore[misc]
                 cdr = with_stamp(cdr, self._origin_ns + played_ns)
             self._outlets[message.topic].publish(cdr)
 
-    def _deliver(self, item: Played, played_ns: int) -> None:
+    def _deliver(self, message: Played, played_ns: int) -> None:
         """In the player's thread: publish a message."""
-        message, topic = item.message, self._topics[item.message.topic]
+        topic = self._topics[message.topic]
         cdr, due_ns = message.cdr, message.time_ns
         if self._restamping is not None:
             due_ns = self._origin_ns + played_ns
             if topic.stamped:
-                cdr = self._restamping.apply("" if topic.ours else topic.name, cdr, due_ns)
+                cdr = self._restamping.apply("" if topic.kind else topic.name, cdr, due_ns)
         if self.parameters["publish_clock"] and self.selection.leading in (None, message.topic):
             span = self.selection.span_ns(message)
             self._time.tell(max(due_ns, stamp_of(cdr) + span) if span else due_ns)
         self._outlets[message.topic].publish(cdr)
-        self._tell_damages()
+        self._report_damages()
 
-    def _tell_damages(self) -> None:
-        for damage in self._bag.damages[self._named :]:
+    def _report_damages(self) -> None:
+        for damage in self._bag.damages[self._reported :]:
             self.get_logger().warning(f"damaged: {damage}")
-        self._named = len(self._bag.damages)
+        self._reported = len(self._bag.damages)
 
     def _on_end(self, failure: Exception | None) -> None:
-        """In the player's thread: the bag is over, or cannot be played on."""
+        """In the player's thread: the bag ends, or cannot be played any further."""
         wait_for_subscribers(self._outlets.values())
         kept = self.player.punctuality
         self.get_logger().info(f"played {kept.messages} messages, at most {1e3 * kept.worst:.1f} ms late")
@@ -179,28 +184,55 @@ class ReplayNode(Node):  # type: ignore[misc]
         try:
             if changes.get("use_sim_time", self._time.following) != self._time.following:
                 raise InputError("use_sim_time cannot change while a bag is played: give it at the start")
-            told = []
+            futures = []
             if "loop" in changes:
                 self.player.loop = changes["loop"]
             if "rate" in changes:
-                told.append(self.player.set_rate(changes["rate"]))
+                futures.append(self.player.set_rate(changes["rate"]))
             if "position" in changes:
-                told.append(self.seek(changes["position"]))
-            for future in told:
+                futures.append(self.seek(changes["position"]))
+            for future in futures:
                 future.result()
         except WheelsetTrackError as refusal:
             return SetParametersResult(successful=False, reason=str(refusal))
         return SetParametersResult(successful=True)
 
 
+def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
+    """Play a bag until it ends, or a signal arrives; ``given`` are parameters that override those in ``arguments``.
+
+    Returns 0; raises InputError for arguments or parameters that cannot be used, WheelsetTrackError for the bag.
+    """
+    own = own_arguments(arguments)
+    if own:
+        raise InputError(f"{own[0]} is not an argument of the replay: see wheelset-track-sim replay --help")
+    with session(arguments) as endings, ExitStack() as stack:
+        node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
+        stack.callback(node.destroy_node)
+        executor = SingleThreadedExecutor()
+        stack.callback(executor.shutdown)
+        executor.add_node(node)
+        with spinning(executor):
+            try:
+                node.begin()
+                by, failure = next_ending(endings)
+                if by is not None:
+                    time.sleep(ANSWER_TIME)
+            finally:
+                node.close()
+    if failure is not None:
+        raise failure
+    return 0
+
+
 def _hindrance(topic: Topic) -> str:
     """Why a topic cannot be published here; empty if it can."""
     if topic.outdated:
-        return f"{topic.kind} has been changed since it was recorded"
+        return f"{topic.type} has been changed since it was recorded"
     try:
-        _message_type(topic.kind)
+        _message_type(topic.type)
     except (ImportError, AttributeError, ValueError):
-        return f"{topic.kind} is not installed"
+        return f"{topic.type} is not installed"
     return ""
 
 

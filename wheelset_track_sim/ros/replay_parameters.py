@@ -8,10 +8,10 @@ from typing import Any
 
 from rclpy.node import Node
 
-from ..bags.playback.settings import Playback
-from ..bags.playback.topics import Topic
+from ..bags.topics import Topic
 from ..errors import InputError
-from ..inputs.schema import Quantity, quantity_of
+from ..inputs.schema import quantity_of
+from ..live.player import Playback
 from .declaring import declare, fixed, flag, number, warn_of_unknown
 
 START_UP = {
@@ -41,7 +41,7 @@ class ReplayParameters:
         for name, (default, description) in START_UP.items():
             declare(node, name, default, fixed(description))
         for name in ("rate", *FIXED):
-            declare(node, name, getattr(Playback, name), number(_quantity(name), read_only=name in FIXED))
+            declare(node, name, getattr(Playback, name), number(quantity_of(Playback, name), read_only=name in FIXED))
         declare(node, "position", self["start_offset"], number(POSITION))
         declare(node, "loop", False, flag("Begin again at the end"))
         warn_of_unknown(node)
@@ -76,7 +76,3 @@ class ReplayParameters:
             )
         inside = [name for name in before if topic.name.startswith(f"{name}/")]
         return wanted + topic.name.removeprefix(inside[0]) if inside else topic.name
-
-
-def _quantity(name: str) -> Quantity:
-    return quantity_of(Playback, name)

@@ -1,4 +1,4 @@
-"""Services of the replay node: those of the node that make sense for a bag, and those of ``ros2 bag play``."""
+"""Services of the replay node: pause, resume, steps and seeking, also under the names of ``ros2 bag play``."""
 
 from __future__ import annotations
 
@@ -6,32 +6,33 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from ..errors import WheelsetTrackError
+from ..live.player import Player
 from .answers import Answer, served
-
-if TYPE_CHECKING:
-    from .replay import ReplayNode
 
 ROSBAG2_PLAYER = "/rosbag2_player"
 """Name of the node of ``ros2 bag play``, below which tools look for its services."""
 
 
 class ReplayServices:
-    """Servers of one node, which answer when what they are asked for is done.
+    """Servers of one node, which answer when a request is done.
 
-    Those of ``ros2 bag play`` are there where its interfaces are installed: PyPI does not have them.
+    The services of ``ros2 bag play`` need its interfaces, which PyPI does not have.
     """
 
-    def __init__(self, node: ReplayNode) -> None:
-        """For ``node``, as long as it lives."""
-        self._node, self._log = node, node.get_logger()
-        self._group = MutuallyExclusiveCallbackGroup()
-        player = node.player
+    def __init__(self, node: Node, player: Player, position: Callable[[], float], finish: Callable[[], None]) -> None:
+        """Services of ``node`` that control ``player``.
+
+        ``position`` returns the time in the bag that has been reached, s; ``finish`` ends the replay.
+        """
+        self._node, self._player, self._position, self._finish = node, player, position, finish
+        self._log, self._group = node.get_logger(), MutuallyExclusiveCallbackGroup()
         for name, action in (
             ("pause", player.pause),
             ("resume", player.resume),
@@ -52,7 +53,7 @@ class ReplayServices:
         self._node.create_service(Trigger, f"~/{name}", callback, callback_group=self._group)
 
     def _serve_as_rosbag2(self, interfaces: Any) -> None:
-        player = self._node.player
+        player = self._player
         for kind, name, answer in (
             ("Pause", "pause", lambda _: _done(player.pause())),
             ("Resume", "resume", lambda _: _done(player.resume())),
@@ -74,11 +75,11 @@ class ReplayServices:
 
     def _where(self, action: Callable[[], Future[Any]], request: Any) -> Answer:
         action().result()
-        stands = "paused" if self._node.player.paused else "running"
-        return {"message": f"{stands} at {self._node.position():.3f} s"}
+        stands = "paused" if self._player.paused else "running"
+        return {"message": f"{stands} at {self._position():.3f} s"}
 
     def _stop(self, request: Any) -> Answer:
-        self._node.finish()
+        self._finish()
         return {}
 
     def _filled(self, answer: Callable[[Any], Answer], request: Any, response: Any) -> Any:

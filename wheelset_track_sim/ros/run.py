@@ -1,21 +1,21 @@
-"""One run of the node, from its step 0 on: what streams is told and recorded here."""
+"""One run of the node, from its step 0 on: it streams, records and publishes."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..bags.messages import State, chunk_messages, impact_message, state_message
+from ..bags.messages import Message
 from ..errors import InputError, RecordingError
-from ..live.origin import state, states
 from ..live.pacing import Pace
 from ..live.recorder import Recorder
+from ..live.run_messages import FAILED, PAUSED, RUNNING, RunMessages
 from ..live.stream import Stream, Timing
 from ..samples.block import SampleBlock
+from ..samples.impacts import ImpactSettings
 from ..samples.summary import summarise
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
@@ -23,12 +23,9 @@ from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 
-RUNNING, PAUSED, FAILED = range(3)
-"""Status in SimulationState."""
 
-
-class Run:
-    """A simulator that streams while it runs and stands while it is paused; no sample is lost between the two.
+class NodeRun:
+    """A simulator that streams or is paused; no sample is lost between the two.
 
     Topics, monitoring, recorder and clock are those of the node, and outlive the run.
     """
@@ -42,20 +39,18 @@ class Run:
         clock: NodeClock,
         log: Any,
         ended: Callable[[Exception | None], None],
+        impacts: ImpactSettings | None = None,
     ) -> None:
-        """``ended`` is called in the stream's thread if the run is over by itself, or cannot go on."""
+        """``ended`` is called in the stream's thread if the run ends or fails; ``impacts`` defines an impact."""
         self.simulator = simulator
         self.contacts = Contacts()
-        self.start_ns = 0
-        """Time stamp of step 0, ns."""
+        self.messages = RunMessages(simulator, impacts=impacts)
         self._outputs, self._monitoring, self._recorder, self._log = outputs, monitoring, recorder, log
         self._clock, self._ended = clock, ended
         self._stream: Stream | None = None
         self._next_step = simulator.next_step
-        self._told: State | None = None
-        self._due = False  # the state, with the next chunk
-        self._over = False  # its topics go
-        self._lock = threading.RLock()  # between two chunks: what is told, recorded and remembered of a chunk is whole
+        self._over = False  # no message is published any more
+        self._lock = threading.RLock()  # held from the first to the last message of a chunk
 
     @property
     def running(self) -> bool:
@@ -68,13 +63,18 @@ class Run:
         return self._next_step
 
     @property
+    def start_ns(self) -> int:
+        """Time stamp of step 0, ns."""
+        return self.messages.start_ns
+
+    @property
     def end_ns(self) -> int:
-        """Time stamp behind the last sample, ns."""
+        """End of the last sample, ns."""
         return self.start_ns + round(self.simulator.course.time_of(self._next_step) * 1e9)
 
     def go_on(self, pace: Pace) -> None:
-        """Stream from where the run stands."""
-        self._tell(state(self.simulator), RUNNING)
+        """Stream from the next step on."""
+        self._hand_out_state(RUNNING)
         self._monitoring.run()
         self._stream = Stream(self.simulator, pace, self._deliver, self._on_end, self._clock)
         self._stream.start()
@@ -86,18 +86,18 @@ class Run:
             stream.set_pace(pace)
 
     def pause(self) -> None:
-        """Hand over the chunk at hand, then stand."""
+        """Deliver the current chunk, then pause."""
         self._stop()
-        if self._told is None or self._told.status != FAILED:
+        if self.messages.told.status != FAILED:
             self.stand("paused")
 
     def stand(self, why: str) -> None:
-        """Tell that the run stands."""
-        self._tell(state(self.simulator), PAUSED)
+        """Report that the run is paused, and ``why``."""
+        self._hand_out_state(PAUSED)
         self._monitoring.pause(why)
 
     def end(self) -> None:
-        """Stop for good; tell what filters and detectors hold back. Ending again does nothing."""
+        """Stop for good, and deliver the rest of filters and detectors. Ending again does nothing."""
         self._stop()
         with self._lock:
             self._over = True
@@ -111,25 +111,25 @@ class Run:
                 bag.discard()
                 raise InputError("the run is over: start the recording in the next one")
             self._recorder.take(bag)
-            self._tell_again()
+            self._repeat_state()
             return self._next_step
 
     def split_recording(self) -> Path:
-        """Go on in the next file of the bag, which begins with the state; raises InputError or RecordingError."""
+        """Continue in the next file of the bag, which begins with the state; raises InputError or RecordingError."""
         with self._lock:
-            split = self._recorder.split()
-            self._tell_again()
+            split = self._recorder.bag.split()
+            self._repeat_state()
         return split.result()
 
     def take_snapshot(self) -> Path:
         """Write the latest messages; returns where. Raises InputError or RecordingError."""
-        return self._recorder.snapshot().result()
+        return self._recorder.bag.snapshot().result()
 
     def stop_recording(self) -> str:
         """Close the bag, if one is open; returns its path. Raises RecordingError."""
         with self._lock:
             stopped = self._recorder.stop()
-            self._tell_again()
+            self._repeat_state()
         return stopped.result()
 
     def _stop(self) -> None:
@@ -140,67 +140,43 @@ class Run:
     def _deliver(self, block: SampleBlock, timing: Timing) -> None:
         """In the stream's thread: record and publish a chunk, and before it the state if it has changed."""
         summary = summarise(block)
-        seen = self._monitoring.push(block, summary, timing)
-        messages = chunk_messages(
-            block,
-            self.start_ns,
-            real_time_factor=timing.real_time_factor,
-            lag=timing.lag,
-            summary=summary,
-            turn=seen.turn,
-        )
-        messages += [impact_message(impact, self.start_ns) for impact in seen.impacts]
         with self._lock:
-            if self._due or self._told is None or self._changed(self._told, block):
-                told = block.revision if self._told is None else self._told.revision
-                for found in states(self.simulator, block, told):
-                    self._tell(found, RUNNING, timing)
+            found = self.messages.push(block, summary, timing, recording=self._recorder.path)
+            for state in found.states:
+                self._hand_out([state])
             self._next_step = block.first_step + len(block)
             self._clock.tell(self.end_ns)
-            self._recorder.write(messages)
-            self._outputs.publish_chunk(block, messages, self.start_ns)
+            self._recorder.write(found.chunk)
+            self._outputs.publish_chunk(block, found.chunk, self.start_ns)
             self.contacts.push(self.simulator, block)
+        self._monitoring.push(block, summary, found.events, timing)
 
-    def _tell(self, found: State, status: int, timing: Timing | None = None, message: str = "") -> None:
-        timing = timing or Timing(float("nan"), 0.0)
+    def _hand_out(self, messages: list[Message]) -> None:
+        self._recorder.write(messages)
+        self._outputs.publish(messages)
+
+    def _hand_out_state(self, status: int, message: str = "") -> None:
         with self._lock:
-            self._told = replace(
-                found,
-                status=status,
-                message=message,
-                real_time_factor=timing.real_time_factor,
-                lag=timing.lag,
-                recording=self._recorder.path,
-            )
-            self._due = False
-            messages = [state_message(self._told, self.start_ns)]
-            self._recorder.write(messages)
-            self._outputs.publish(messages)
+            self._hand_out([self.messages.state(status=status, message=message, recording=self._recorder.path)])
 
-    def _tell_again(self) -> None:
-        """Tell the state with the next chunk, or at once if there is none on the way."""
-        told = None if self._over else self._told
-        self._due = told is not None and told.status == RUNNING
-        if told is not None and not self._due:
-            self._tell(told, told.status, message=told.message)
-
-    def _changed(self, told: State, block: SampleBlock) -> bool:
-        set_point = self.simulator.course.at(block.first_step).set_point
-        now = block.revision, set_point, self._recorder.path
-        return (told.revision, told.speed_set_point, told.recording) != now
+    def _repeat_state(self) -> None:
+        """Repeat the state before the next chunk, or at once if the run is paused."""
+        told = self.messages.told
+        if told.status == RUNNING:
+            self.messages.state_due = True
+        elif not self._over:
+            self._hand_out_state(told.status, told.message)
 
     def _finish(self) -> None:
-        impacts = [impact_message(impact, self.start_ns) for impact in self._monitoring.finish()]
-        self._recorder.write(impacts)
-        self._outputs.publish(impacts)
+        self._hand_out(self.messages.finish())
         self._outputs.finish()
 
     def _on_end(self, failure: Exception | None) -> None:
-        """In the stream's thread: the run is over by itself, or the simulation cannot go on."""
+        """In the stream's thread: the run ends, or the simulation fails."""
         self._finish()
         if failure is not None:
             self._log.error(f"the simulation stopped: {failure!r}")
-            self._tell(state(self.simulator), FAILED, message=str(failure))
+            self._hand_out_state(FAILED, str(failure))
             self._monitoring.fail(str(failure))
             with suppress(RecordingError):
                 self._recorder.stop().result()

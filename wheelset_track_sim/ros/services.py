@@ -6,7 +6,7 @@ import traceback
 from array import array
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -15,17 +15,55 @@ from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
 from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
 
-from ..errors import InputError
-from ..live.recorder import path_below
-from ..live.revisions import Outcome
+from ..errors import InputError, WheelsetTrackError
+from ..live.recorder import Recorder, path_below
+from ..live.revisions import Revisions
+from ..simulation.changes import Revision
 from .answers import Answer, served
 from .conversions import header
-
-if TYPE_CHECKING:
-    from .node import SimulationNode
+from .parameters import Parameters
+from .run import NodeRun
 
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
+
+
+class Controlled(Protocol):
+    """A node that the services control: its run, its changes, its recorder, and the interface of ROS."""
+
+    changing: Any
+    """Callback group of changes."""
+    revisions: Revisions
+    parameters: Parameters
+    recorder: Recorder
+
+    def needed_run(self) -> NodeRun:
+        """The run; raises InputError if there is none."""
+        ...
+
+    def pause(self) -> str:
+        """Deactivate the node; raises InputError if there is nothing to pause."""
+        ...
+
+    def resume(self) -> str:
+        """Activate the node; raises InputError if there is nothing to resume."""
+        ...
+
+    def reset(self) -> str:
+        """Begin a new run from step 0; raises WheelsetTrackError if that fails."""
+        ...
+
+    def get_logger(self) -> Any:
+        """Logger of ROS."""
+        ...
+
+    def create_service(self, srv_type: Any, *arguments: Any, **options: Any) -> Any:
+        """Service of ROS."""
+        ...
+
+    def create_subscription(self, *arguments: Any, **options: Any) -> Any:
+        """Subscription of ROS."""
+        ...
 
 
 class Services:
@@ -35,7 +73,7 @@ class Services:
     another, and within each the order of arrival counts.
     """
 
-    def __init__(self, node: SimulationNode) -> None:
+    def __init__(self, node: Controlled) -> None:
         """For ``node``, as long as it lives."""
         self._node, log = node, node.get_logger()
         changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
@@ -64,26 +102,33 @@ class Services:
                 message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=changing
             )
 
-    def _taken(self, topic: str, take: Callable[[Any], Outcome], message: Any) -> None:
+    def _taken(self, topic: str, take: Callable[[Any], Revision], message: Any) -> None:
         try:
-            outcome = take(message)
+            take(message)
+        except WheelsetTrackError as refusal:
+            self._node.get_logger().warning(f"{topic} is refused: {refusal}")
         except Exception:  # noqa: BLE001  the executor must live
             self._node.get_logger().fatal(traceback.format_exc())
-            return
-        if not outcome.success:
-            self._node.get_logger().warning(f"{topic} is refused: {outcome.message}")
 
     def _set_tread_damage(self, request: Any) -> Answer:
-        return self._node.revisions.damage(request.damage)._asdict()
+        return self._changed(lambda: self._node.revisions.damage(request.damage))
 
     def _set_irregularities(self, request: Any) -> Answer:
-        return self._irregularities(request.irregularities)._asdict()
+        return self._changed(lambda: self._irregularities(request.irregularities))
 
-    def _irregularities(self, text: str) -> Outcome:
+    def _irregularities(self, text: str) -> Revision:
         return self._node.revisions.irregularities(text, self._node.parameters["profiles.directory"])
 
     def _set_speed(self, request: Any) -> Answer:
-        return self._node.revisions.speed(request.speed, request.acceleration)._asdict()
+        return self._changed(lambda: self._node.revisions.speed(request.speed, request.acceleration))
+
+    def _changed(self, change: Callable[[], Revision]) -> Answer:
+        """Revision and step of a change; if it is rejected, those of the newest one with the reason."""
+        try:
+            revision, answer = change(), {}
+        except WheelsetTrackError as refusal:
+            revision, answer = self._node.revisions.newest, {"success": False, "message": str(refusal)}
+        return {**answer, "revision": revision.number, "step": revision.step}
 
     def _start_recording(self, request: Any) -> Answer:
         node = self._node

@@ -14,22 +14,27 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, is_dataclass
+from dataclasses import fields, is_dataclass
+from inspect import isfunction
 from itertools import accumulate
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 import platformdirs
 
 from .one_core import one_core
+from .sources import program
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing_extensions import Self, TypeVarTuple, Unpack
+
+    from .progress import Progress
+
+    Inputs = TypeVarTuple("Inputs")
 
 FORMAT = 1
-"""Version of the file layout; part of every digest."""
+"""Version of the form in which inputs are digested: bags hold such digests, too."""
 
 log = logging.getLogger(__name__)
 
@@ -56,27 +61,29 @@ def folder() -> Path:
     return Path(named) if named else platformdirs.user_cache_path("wheelset_track_sim") / "models"
 
 
-def digest(inputs: Any, *sources: ModuleType) -> str:
-    """Digest of inputs (dataclasses, mappings, sequences, numbers, text) and of the modules that use them.
+def digest(inputs: Any) -> str:
+    """Digest of dataclasses, mappings, sequences, arrays, numbers and text; floats count by their exact value."""
+    return hashlib.blake2b(json.dumps([FORMAT, _plain(inputs)], sort_keys=True).encode(), digest_size=16).hexdigest()
 
-    Floats count by their exact value. A module counts by its source, a package by all its Python files.
+
+def cached(
+    kind: str,
+    model: type[Model],
+    build: Callable[[Unpack[Inputs], Progress | None], Model],
+    *inputs: Unpack[Inputs],
+    progress: Progress | None = None,
+    most: float = math.inf,
+) -> Model:
+    """Model ``build(*inputs, progress)``, stored as ``kind-key.npz``; built if the file is missing or damaged.
+
+    The key is a digest of the inputs and of the module of ``build`` with all that it imports (``sources.program``).
+    So ``build`` has to be a function of a module, which makes its model of the inputs alone: TypeError for a method, a
+    partial and a function that uses variables of another one. Of this kind at most ``most`` bytes are kept, those that
+    were used last.
     """
-    hashed = hashlib.blake2b(digest_size=16)
-    hashed.update(json.dumps([FORMAT, _plain(inputs)], sort_keys=True).encode())
-    for module in sources:
-        path = Path(str(module.__file__))
-        for source in sorted(path.parent.rglob("*.py")) if path.name == "__init__.py" else [path]:
-            hashed.update(source.name.encode())
-            hashed.update(source.read_bytes())
-    return hashed.hexdigest()
-
-
-def cached(kind: str, model: type[Model], key: str, build: Callable[[], Model], *, most: float = math.inf) -> Model:
-    """Model stored as ``kind-key.npz``; built and stored if it is missing, damaged or of another layout.
-
-    Of this kind at most ``most`` bytes are kept, those that were used last.
-    """
-    path = folder() / f"{kind}-{key}.npz"
+    if not isfunction(build) or build.__closure__:
+        raise TypeError(f"{build} of the cached {kind} uses more than its arguments: make it a function of a module")
+    path = folder() / f"{kind}-{digest([program(build.__module__), build.__qualname__, inputs])}.npz"
     if path.exists():
         try:
             with np.load(path, allow_pickle=False) as stored:
@@ -87,7 +94,7 @@ def cached(kind: str, model: type[Model], key: str, build: Callable[[], Model], 
         except Exception as damage:  # noqa: BLE001  any damage whatever ends in a rebuild
             log.warning("cached model %s cannot be read (%s): built again", path, damage)
     with one_core():
-        built = build()
+        built: Model = build(*inputs, progress)
     store(path, built)
     if most < math.inf:
         _keep_latest(kind, most)
@@ -126,11 +133,12 @@ def _keep_latest(kind: str, most: float) -> None:
 
 def _plain(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
-        return [type(value).__name__, _plain(asdict(value))]
+        return [type(value).__name__, {field.name: _plain(getattr(value, field.name)) for field in fields(value)}]
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
+        content = hashlib.blake2b(np.ascontiguousarray(value).tobytes(), digest_size=16)
+        return [value.dtype.str, value.shape, content.hexdigest()]
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
     if isinstance(value, float):

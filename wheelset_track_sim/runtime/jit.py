@@ -1,14 +1,19 @@
-"""One decorator for compiled kernels, with a cache on disk that cannot go stale.
+"""Decorators for compiled kernels, with a cache on disk that cannot go stale.
 
-Numba's cache notices an edit of the file a function stands in, not of a file whose functions it calls. So the cache
-folder carries a digest of every kernel source in the package: an edit anywhere compiles anew. All compiled functions
-stand in modules named ``*kernels.py``; that is what the digest covers.
+Numba's cache notices an edit of the file that holds a function, not of a file whose functions it calls. So the name of
+the cache folder is a digest of every kernel source in the package: an edit of any of them compiles all again. Compiled
+functions are in modules named ``*kernels.py``, which the digest covers.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -21,6 +26,16 @@ config: Any = numba.config
 typeof: Any = numba.typeof
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+DONE = "compiled"
+"""File in the folder of kernels; the kernels of a run are compiled if it exists."""
+
+log = logging.getLogger(__name__)
+
+
+def caches() -> Path:
+    """Folder that holds a folder of compiled kernels for each version of their sources."""
+    return Path(config.CACHE_DIR or platformdirs.user_cache_path("wheelset_track_sim")) / "kernels"
+
 
 @cache
 def cache_folder() -> Path:
@@ -30,8 +45,39 @@ def cache_folder() -> Path:
     for source in [Path(__file__), *sorted(package.rglob("*kernels.py"))]:
         digest.update(source.relative_to(package).as_posix().encode())
         digest.update(source.read_bytes())
-    base = Path(config.CACHE_DIR or platformdirs.user_cache_path("wheelset_track_sim"))
-    return base / "kernels" / digest.hexdigest()
+    folder = caches() / digest.hexdigest()
+    with suppress(OSError):  # it is not there yet, or read only
+        os.utime(folder)  # the time of its last use
+    return folder
+
+
+def mark_compiled() -> None:
+    """Record that the kernels of a run are compiled."""
+    (cache_folder() / DONE).touch()
+
+
+@contextmanager
+def compiled_meanwhile(module: str) -> Iterator[None]:
+    """Compile the kernels of a run in a second process while the body runs, unless they are; wait for it at the end.
+
+    ``module`` compiles them when it is executed, and calls ``mark_compiled``. A thread would not do, for compiler and
+    body both hold the interpreter lock. With one core, or if the process fails, kernels are compiled when called.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if cores < 2 or (cache_folder() / DONE).exists():
+        yield
+        return
+    process = subprocess.Popen(
+        [sys.executable, "-m", module], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield
+    except BaseException:
+        process.terminate()
+        raise
+    finally:
+        if process.wait() != 0:
+            log.debug("kernels were not compiled beforehand: status %d", process.returncode)
 
 
 def kernel(function: Function) -> Function:

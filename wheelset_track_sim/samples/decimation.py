@@ -25,7 +25,6 @@ import numpy as np
 from ..errors import InputError
 from ..inputs.schema import Quantity
 from ..runtime.arrays import Real
-from ..wheelset.reduced import COMPONENTS
 from .block import SampleBlock
 from .decimation_kernels import accumulate
 
@@ -186,6 +185,6 @@ def _block(span: SampleBlock, step: int, samples: Real, factor: int) -> SampleBl
         step_period=factor * span.step_period,
         position=span.position + since * span.speed,
         forces=samples[:, :2].copy(),
-        stresses=np.moveaxis(samples.T[2:].reshape(len(span.nodes), len(COMPONENTS), len(samples)).copy(), -1, 0),
+        stresses=np.moveaxis(samples.T[2:].reshape(*span.stresses.shape[1:], len(samples)).copy(), -1, 0),
         decimation=factor,
     )

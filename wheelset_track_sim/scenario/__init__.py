@@ -1,1 +1,20 @@
-"""What is simulated."""
+"""What is simulated: read whole, typed and checked when it is loaded."""
+
+from .loading import assign, load_scenario, override, scenario_from, take_in
+from .loads import Loads
+from .profiles import Profiles
+from .scenario import WHEELS, Output, Scenario, SetPoint
+
+__all__ = [
+    "WHEELS",
+    "Loads",
+    "Output",
+    "Profiles",
+    "Scenario",
+    "SetPoint",
+    "assign",
+    "load_scenario",
+    "override",
+    "scenario_from",
+    "take_in",
+]

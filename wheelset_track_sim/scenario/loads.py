@@ -8,10 +8,11 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 from ..errors import InputError
-from ..inputs.schema import check, quantity
+from ..inputs.schema import check, quantity, unknown
+from ..wheelset.imported import ImportedWheelset
+from ..wheelset.kinds import AnyWheelset
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Loads:
         for index, (before, after) in enumerate(pairwise(self.torque_plan)):
             if after.time <= before.time:
                 raise InputError(
-                    f"loads.torque_plan.{index + 1}.time = {after.time:g} s is not behind the {before.time:g} s of the "
+                    f"loads.torque_plan.{index + 1}.time = {after.time:g} s is not after the {before.time:g} s of the "
                     "point before: give times that increase"
                 )
         if self.torque_plan and self.torque != 0:
@@ -107,9 +108,29 @@ class Loads:
                 "loads.torque_plan cannot change during a run: give torque, which ends the plan, or start a new run"
             )
 
-    def to_mapping(self) -> dict[str, Any]:
-        """Plain mapping for files."""
-        plain = dataclasses.asdict(self)
-        plain["stresses"] = [dataclasses.asdict(item) for item in self.stresses]
-        plain["torque_plan"] = [dataclasses.asdict(point) for point in self.torque_plan]
-        return plain | {"torque_at": [*self.torque_at]}
+    def check_against(self, wheelset: AnyWheelset) -> None:
+        """Raise InputError for a node or a part that a wheelset does not have, or a load that it cannot take."""
+        nodes = [node.name for node in wheelset.stress_nodes]
+        for index, item in enumerate(self.stresses):
+            if item.node not in nodes:
+                where = f"loads.stresses.{index}.node = {item.node!r}"
+                raise InputError(unknown("stress node of this wheelset", where, item.node, nodes))
+        if self.with_torque:
+            for index, part in enumerate(self.torque_at):
+                if part not in wheelset.torque_parts:
+                    where = f"loads.torque_at.{index} = {part!r}"
+                    raise InputError(
+                        unknown("part of this wheelset that takes a torque", where, part, wheelset.torque_parts)
+                    )
+        if not isinstance(wheelset, ImportedWheelset):
+            return
+        if self.press_fit.wheels or self.press_fit.equipment:
+            raise InputError(
+                f"loads.press_fit needs the geometry of seats and hubs, and wheelset {wheelset.name} is imported: "
+                "give its stress in loads.stresses"
+            )
+        for node in wheelset.stress_nodes if self.with_torque else ():
+            if node.diameter is None:
+                raise InputError(
+                    f"wheelset.stress_nodes.{node.name}.diameter is missing: loads.torque needs the axle's there, m"
+                )

@@ -1,34 +1,45 @@
-"""What is simulated: one frozen, checked description, from a YAML file and ``key=value`` changes."""
+"""What is simulated: one frozen description, typed and checked whole when it is made."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, Literal
 
-from ..contact.profile_points import FILES, load_points
+import numpy as np
+
+from ..contact.geometry import ContactGeometry
+from ..contact.law import rolling_surfaces
 from ..errors import InputError
-from ..inputs.schema import Quantity, check, plain, quantity, read
-from ..inputs.shipped import MAX_DEPTH, load_yaml
-from ..inputs.yaml12 import dump, parse
-from ..irregularities import AnyIrregularity, line_steps
-from ..irregularities.listing import MOST
-from ..irregularities.surface import LONGEST_LINE
+from ..inputs.schema import Quantity, check, parsed, plain, quantity, unknown
+from ..inputs.yaml12 import dump
+from ..irregularities import Irregularity, line_steps, plain_irregularities, read_irregularities
+from ..irregularities.kinds import check_number
+from ..irregularities.surface import LONGEST_LINE, Surface, check_length
 from ..runtime.cache import digest
+from ..track.supports import LONGEST_STEP
+from ..track.track import Track, load_track, plain_track, read_track
+from ..wheelset.imported import ImportedWheelset
+from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, read_wheelset
 from .loads import Loads
+from .profiles import Profiles
 
 Wheel = Literal["wheel_1", "wheel_2"]
 WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 
+WHEELSET, TRACK = "x40", "ballasted_60e1"
+"""Names of the shipped models that a scenario has if it names none."""
 BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
-GAUGE = Quantity("m", 0.9, 1.8, "the gauge")
 LINE = Quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat")
 
+PAPER_BAND = 2500.0
+"""Band limit of the receptances in ``paper`` dynamics, Hz, if a scenario gives none (Section 3)."""
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""
+
+MIDDLE = np.zeros(1)
 
 
 @dataclass(frozen=True)
@@ -55,29 +66,24 @@ class SetPoint:
 
 
 @dataclass(frozen=True)
-class Profiles:
-    """Lateral profiles of wheels and rails, each a name, a file or a mapping of points; ``docs/profiles.md``."""
-
-    wheel_1: Any = "cylinder"
-    wheel_2: Any = "cylinder"
-    rail_1: Any = "head_60e1"
-    rail_2: Any = "head_60e1"
-    inclination: float = quantity(
-        "", 0.0, 0.1, "the inclination of the rails to the middle of the track, such as 1/40 = 0.025", default=0.0
-    )
-    gauge: float | None = None
-    """Distance of the rails, m, 14 mm below their tops; if None, each rolling circle is over the middle of its rail."""
-
-    def __post_init__(self) -> None:
-        check(self, "profiles")
-        refusal = None if self.gauge is None else GAUGE.refusal("profiles.gauge", self.gauge)
-        if refusal:
-            raise InputError(refusal)
-
-
-@dataclass(frozen=True)
 class Scenario:
-    """A wheelset on a track at a speed, or at several one after the other, with its irregularities. SI units."""
+    """A wheelset on a track at a speed, or at several one after the other, with its irregularities. SI units.
+
+    Everything is typed, and checked together when a scenario is made: what exists can be simulated. ``load_scenario``
+    reads one from a file; ``dataclasses.replace`` makes another one from it.
+
+    Raises
+    ------
+    InputError
+        In one line with the dotted key, for any value that cannot be used, by itself or with the others.
+
+    Examples
+    --------
+    >>> scenario = load_scenario("damage_wheel_1")
+    >>> faster = dataclasses.replace(scenario, name="faster", speed=40.0)
+    >>> faster.track.rail.EI, faster.wheelset.name, faster.irregularities[0].h
+    (6405000.0, 'x40', 0.002)
+    """
 
     name: str
     speed: float = quantity("m/s", 5.0, 100.0, "the running speed")
@@ -85,11 +91,11 @@ class Scenario:
     axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together")
     dynamics: Literal["causal", "paper"] = "causal"
     """``causal``: modal state space, which streams; ``paper``: Green's functions as printed, the reference."""
-    wheelset: Any = "x40"
-    """Name of a shipped wheelset, path of a file, or a mapping."""
-    track: Any = "ballasted_60e1"
-    """Name of a shipped track, path of a file, or a mapping."""
-    irregularities: tuple[AnyIrregularity, ...] = ()
+    wheelset: AnyWheelset = parsed(read_wheelset, plain_wheelset, default_factory=partial(load_wheelset, WHEELSET))
+    """In files: the name of a shipped wheelset, the path of a file, or a mapping."""
+    track: Track = parsed(read_track, plain_track, default_factory=partial(load_track, TRACK))
+    """In files: the name of a shipped track, the path of a file, or a mapping."""
+    irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
     line_length: float | None = None
     """Length after which the irregularities of the rails repeat, m; None is 60 m, or as often that as they need."""
@@ -110,6 +116,11 @@ class Scenario:
     """Set points of the speed in the order of their times; a change of ``speed`` during the run ends the plan."""
     step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
 
+    settle_on: Literal["surfaces", "smooth"] = "surfaces"
+    """What the wheels run on before step 0. ``surfaces``: those of the scenario, as in a train that runs for a while.
+    ``smooth``: a defect meets the rail for the first time after step 0, as in the paper (Section 5.1), and always in
+    ``paper`` dynamics."""
+
     max_frequency: float | None = None
     """Band limit, Hz: of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
     6000 of the wheelset and 5000 of the track)."""
@@ -123,26 +134,24 @@ class Scenario:
 
     def __post_init__(self) -> None:
         check(self)
+        for name, kinds, load in (("wheelset", AnyWheelset, "load_wheelset"), ("track", Track, "load_track")):
+            if not isinstance(getattr(self, name), kinds):
+                raise InputError(f"{name} = {getattr(self, name)!r} is a name, or plain data: give {load}({name})")
         if not self.name:
             raise InputError("name is empty: give the scenario a name")
         for name, limits in (("max_frequency", BAND), ("line_length", LINE)):
             refusal = None if getattr(self, name) is None else limits.refusal(name, getattr(self, name))
             if refusal:
                 raise InputError(refusal)
-        if len(self.irregularities) > MOST:
-            raise InputError(f"irregularities has {len(self.irregularities)} entries: give at most {MOST}")
-        _ = self.line_steps
-        for index, (before, after) in enumerate(pairwise(self.speed_plan)):
-            if after.time <= before.time:
-                raise InputError(
-                    f"speed_plan.{index + 1}.time = {after.time:g} s is not behind the {before.time:g} s of the set "
-                    f"point before: give times that increase"
-                )
-        if self.speed_plan and self.dynamics == "paper":
-            raise InputError("speed_plan cannot be followed in paper dynamics, whose speed is constant: use causal")
         known = LAG_ZERO[self.dynamics]
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
+        self._check_speeds()
+        _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
+        check_number(len(self.irregularities))
+        around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
+        _check_each(self.irregularities, around, along, dx)
+        rolling_surfaces(self.irregularities, self.geometry, dx, around, along)
 
     @property
     def wheel_load(self) -> float:
@@ -160,13 +169,44 @@ class Scenario:
         return line_steps(self.irregularities, self.line_length, self.step_length)
 
     @property
+    def steps_per_revolution(self) -> int:
+        """Steps in one turn of the wheel."""
+        return round(2 * math.pi * self.wheelset.rolling_radius / self.step_length)
+
+    @property
+    def tread_origin(self) -> int:
+        """Step at which angle 0 of the treads meets the rail."""
+        return round(self.reference_position / self.step_length)
+
+    @property
+    def settles_on_surfaces(self) -> bool:
+        """Whether the wheels run on the irregularities of the scenario before step 0."""
+        return self.settle_on == "surfaces" and self.dynamics == "causal"
+
+    @property
+    def geometry(self) -> ContactGeometry:
+        """Wheels on rails, where they touch."""
+        wheelset = self.wheelset
+        return self.profiles.geometry(wheelset.rolling_radius, wheelset.rolling_circles, self.lateral_offset)
+
+    @property
+    def touched_wheelset(self) -> AnyWheelset:
+        """The wheelset with its contact points where the profiles touch; an imported one has its own points."""
+        if isinstance(self.wheelset, ImportedWheelset):
+            return self.wheelset
+        geometry = self.geometry
+        shifts = (geometry.touch(0) - geometry.rolling_circle(0), geometry.touch(1) - geometry.rolling_circle(1))
+        return replace(self.wheelset, contact_shifts=shifts)
+
+    @property
     def at_lag_zero(self) -> str:
         """The variant at lag zero, the default named."""
         return LAG_ZERO[self.dynamics][0] if self.lag_zero == "default" else self.lag_zero
 
     def to_mapping(self) -> dict[str, Any]:
-        """Plain mapping that ``scenario_from`` turns into an equal scenario."""
-        return {**plain(self), "loads": self.loads.to_mapping()}
+        """Plain mapping that ``scenario_from`` turns into an equal scenario; shipped models are names in it."""
+        mapping: dict[str, Any] = plain(self)
+        return mapping
 
     def to_yaml(self) -> str:
         """The scenario as a YAML file's text."""
@@ -178,101 +218,80 @@ class Scenario:
 
     @property
     def digest(self) -> str:
-        """Digest of all that the scenario says; names of models count as names."""
+        """Digest of all that the scenario says; names of shipped models count as names."""
         return digest(self.to_mapping())
 
-
-def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
-    """Scenario from a shipped name or a file, with ``dotted.key=value`` changes (list indices count from 0).
-
-    Raises InputError in one line for anything that cannot be used.
-    """
-    data = load_yaml("scenarios", name_or_path)
-    if not isinstance(data, dict):
-        raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
-    if Path(name_or_path).is_file():
-        _find_beside(data, Path(name_or_path).parent)
-    for change in overrides:
-        override(data, change)
-    take_in(data)
-    return scenario_from(data)
-
-
-def _find_beside(data: dict[str, Any], folder: Path) -> None:
-    """Let the files that a plain scenario names be found in the folder of its own, too, from wherever it is run."""
-    places: list[tuple[Any, str]] = [(data, "wheelset"), (data, "track"), (data.get("track"), "base")]
-    profiles, irregularities = data.get("profiles"), data.get("irregularities")
-    places += [(profiles, surface) for surface in (profiles if isinstance(profiles, dict) else ())]
-    places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
-    for place, key in places:
-        name = place.get(key) if isinstance(place, dict) else None
-        if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
-            place[key] = str(folder / name)
-
-
-def take_in(data: dict[str, Any]) -> None:
-    """Put the content of files of the user's in the place of their names, so that a scenario needs no other file."""
-    _take_in_model(data, "wheelset", "wheelsets")
-    _take_in_model(data, "track", "tracks")
-    profiles = data.get("profiles")
-    if not isinstance(profiles, dict):
-        return
-    for surface, given in profiles.items():
-        if isinstance(given, str) and Path(given).suffix in FILES:
-            profiles[surface] = load_points(surface.partition("_")[0], given).plain()
+    def _check_speeds(self) -> None:
+        for index, (before, after) in enumerate(pairwise(self.speed_plan)):
+            if after.time <= before.time:
+                raise InputError(
+                    f"speed_plan.{index + 1}.time = {after.time:g} s is not after the {before.time:g} s of the set "
+                    f"point before: give times that increase"
+                )
+        if self.speed_plan and self.dynamics == "paper":
+            raise InputError("speed_plan cannot be followed in paper dynamics, whose speed is constant: use causal")
+        if self.dynamics == "paper":
+            band, half = self.max_frequency or PAPER_BAND, 0.5 / self.step_period
+            if band > half:
+                raise InputError(
+                    f"max_frequency = {band:g} Hz is above half the sampling frequency of {2 * half:g} Hz at "
+                    f"{self.speed:g} m/s: give up to {half:g} Hz"
+                )
+        if self.track.line is None:
+            return
+        if self.dynamics == "paper":
+            raise InputError("track.line cannot be followed in paper dynamics, whose supports are equal: use causal")
+        speeds = {"speed": self.speed} | {f"speed_plan.{n}.speed": at.speed for n, at in enumerate(self.speed_plan)}
+        for key, speed in speeds.items():
+            if self.step_length > LONGEST_STEP * speed * (1 + 1e-9):
+                raise InputError(
+                    f"{key} = {speed:g} m/s makes steps of {1e3 * self.step_length / speed:.3g} ms, and track.line "
+                    f"holds up to {1e3 * LONGEST_STEP:g} ms: give {self.step_length / LONGEST_STEP:g} m/s or more, or "
+                    f"a step_length up to {LONGEST_STEP * speed:g} m"
+                )
 
 
-def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
-    """Put the content of a model's file in the place of its name, and that of the files on which it stands."""
-    name = place.get(key) if isinstance(place, dict) else None
-    if isinstance(name, str) and Path(name).suffix in (".yaml", ".yml", ".npz"):
-        place[key] = load_yaml(kind, name)
-    if isinstance(place, dict) and depth < MAX_DEPTH:
-        _take_in_model(place.get(key), "base", kind, depth + 1)
+@lru_cache(maxsize=8)
+def _check_models(
+    wheelset: AnyWheelset,
+    track: Track,
+    loads: Loads,
+    stress_nodes: tuple[str, ...],
+    dx: float,
+) -> None:
+    """Raise InputError for models, loads and stress nodes that do not fit each other."""
+    bay = track.spacing / dx
+    if not _whole(bay):
+        raise InputError(
+            f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
+            f"give {_dividing(track.spacing, math.ceil(bay))} m"
+        )
+    nodes = [node.name for node in wheelset.stress_nodes]
+    for index, node in enumerate(stress_nodes):
+        if node not in nodes:
+            where = f"output.stress_nodes.{index} = {node!r}"
+            raise InputError(unknown("stress node of this wheelset", where, node, nodes))
+    loads.check_against(wheelset)
+    track.check_step(dx)
 
 
-def scenario_from(data: Mapping[str, Any]) -> Scenario:
-    """Scenario from a plain mapping; raises InputError."""
-    return read(Scenario, data, "")
+@lru_cache(maxsize=8)
+def _check_each(irregularities: tuple[Irregularity, ...], around: int, along: int, dx: float) -> None:
+    """Raise InputError for the first irregularity that does not fit its surface."""
+    for index, item in enumerate(irregularities):
+        surface = Surface(item.on, around if item.on in WHEELS else along, dx)
+        try:
+            for patch in item.patches(surface, MIDDLE):
+                check_length(item, patch, surface)
+        except InputError as refusal:
+            raise InputError(f"irregularities.{index}: {refusal}") from None
 
 
-def override(data: dict[str, Any], change: str) -> None:
-    """Set one entry of nested mappings and lists by ``dotted.key=value``; the value is read as YAML."""
-    key, equals, text = change.partition("=")
-    if not equals or not key:
-        raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
-    assign(data, key, parse(text, f"the value of --set {key}"), "--set ")
+def _whole(count: float) -> bool:
+    return abs(count - round(count)) <= 1e-6
 
 
-def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
-    """Set one entry of a scenario's plain mapping by its dotted key; ``where`` stands before the key in messages.
-
-    A key within a track or wheelset that is named makes its content part of the scenario.
-    """
-    model, dot, _ = key.partition(".")
-    if dot and model in ("track", "wheelset") and isinstance(data.get(model), str):
-        data[model] = load_yaml(f"{model}s", data[model])
-    *path, last = key.split(".")
-    place: Any = data
-    for depth, part in enumerate(path):
-        place = _entry(place, part, where + ".".join(path[: depth + 1]))
-    if isinstance(place, list):
-        place[_index(place, last, where + key)] = value
-    elif isinstance(place, dict):
-        place[last] = value
-    else:
-        raise InputError(f"{where}{key}: {'.'.join(path)} has no entries")
-
-
-def _entry(place: Any, part: str, where: str) -> Any:
-    if isinstance(place, list):
-        return place[_index(place, part, where)]
-    if isinstance(place, dict):
-        return place.setdefault(part, {})
-    raise InputError(f"{where}: there is nothing to set there")
-
-
-def _index(place: list[Any], part: str, where: str) -> int:
-    if not part.isdigit() or int(part) >= len(place):
-        raise InputError(f"{where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)")
-    return int(part)
+def _dividing(length: float, parts: int) -> str:
+    """A length that goes ``parts`` times into ``length``, or a little more often: the first that few digits can say."""
+    found = (f"{length / count:.6g}" for count in range(parts, 2 * parts + 1))
+    return next((each for each in found if _whole(length / float(each))), f"{length / parts!r}")

@@ -1,6 +1,6 @@
 """What people set of a scenario, by name: ``speed``, ``wheel_1.damage.h`` and so on.
 
-The node's parameters and ``--set`` of ``replay --simulate-again`` have these names.
+The node's parameters and ``--set`` of ``resimulate`` have these names.
 """
 
 from __future__ import annotations

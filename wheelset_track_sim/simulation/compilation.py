@@ -1,66 +1,26 @@
-"""The kernels of a run, compiled in a process of their own while this one builds models.
-
-A thread would not do: compiler and building both hold the interpreter lock, and would take turns.
-"""
+"""The kernels of a run, compiled before they are called: ``runtime.jit`` executes this module in a second process."""
 
 from __future__ import annotations
 
-import logging
-import os
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import numpy as np
 
-from ..runtime.jit import cache_folder
-
-DONE = "compiled"
-"""File in the folder of kernels which says that those of a run are there."""
-
-log = logging.getLogger(__name__)
-
-
-@contextmanager
-def compiled_meanwhile() -> Iterator[None]:
-    """Have the kernels of a run compiled, if they are not yet, beside what is done inside; waits for them in the end.
-
-    On a machine with one core, or should it fail, they are compiled when they are called.
-    """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if cores < 2 or (cache_folder() / DONE).exists():
-        yield
-        return
-    process = subprocess.Popen(
-        [sys.executable, "-m", __name__], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    try:
-        yield
-    except BaseException:
-        process.terminate()
-        raise
-    finally:
-        if process.wait() != 0:
-            log.debug("kernels were not compiled beforehand: status %d", process.returncode)
+from ..contact.geometry import ContactGeometry
+from ..contact.ordered.nested import no_nested_contacts
+from ..dynamics.causal import causal_model
+from ..runtime.jit import mark_compiled
+from ..samples.block import SampleBlock
+from ..samples.summary import summarise
+from ..scenario import load_scenario
+from ..track.balance import HalfTrack, MovingTrack
+from ..wheelset.reduced import ReducedWheelset
+from .changes import Condition, Revision
+from .coupled import Coupled
+from .models import Models
 
 
 def compile_kernels() -> None:
     """Compile the kernels of a run: take a step of a system of two modes, for the compiler looks at types alone."""
-    from ..contact.geometry import ContactGeometry
-    from ..contact.ordered.nested import no_nested_contacts
-    from ..dynamics.causal import causal_model
-    from ..samples.block import SampleBlock
-    from ..samples.summary import summarise
-    from ..scenario.scenario import load_scenario
-    from ..track.balance import HalfTrack, MovingTrack
-    from ..wheelset.reduced import ReducedWheelset
-    from .changes import Condition, Revision
-    from .coupled import Coupled
-    from .models import Models, described
-
     scenario = load_scenario("undamaged")
-    wheelset, track, _ = described(scenario)
     nodes = scenario.output.stress_nodes
     two_modes = ReducedWheelset(
         poles=np.array([-1 + 50j, -1 + 90j]),
@@ -74,7 +34,7 @@ def compile_kernels() -> None:
         mass=1.0,
         rolling_radius=0.4,
     )
-    places = round(track.spacing / scenario.step_length)
+    places = round(scenario.track.spacing / scenario.step_length)
     half = HalfTrack(
         rate=np.array([[-1.0, 50.0], [-50.0, -1.0]]),
         rate_of_speed=np.array([[0.0, 1.0], [-1.0, 0.0]]),
@@ -83,9 +43,9 @@ def compile_kernels() -> None:
         residual=np.zeros(places),
     )
     models = Models(
-        wheelset=wheelset,
+        wheelset=scenario.wheelset,
         reduced=two_modes,
-        track=track,
+        track=scenario.track,
         dynamics=causal_model(two_modes, MovingTrack(half, half), nodes, scenario.at_lag_zero),
         geometry=ContactGeometry(wheel_radius=two_modes.rolling_radius),
         step_length=scenario.step_length,
@@ -104,10 +64,10 @@ def compile_kernels() -> None:
         nested=(no_nested_contacts(), no_nested_contacts()),
     )
     forces, _ = Coupled(models, 0.0, 0, scenario.speed).run(
-        Condition(Revision(0, 0), scenario, law, np.zeros(2)), scenario.speed, np.zeros((1, 2))
+        Condition(Revision(0, 0), scenario, law, np.zeros(2), 0, 0), scenario.speed, np.zeros((1, 2))
     )
     summarise(SampleBlock(0, 0.0, 1.0, 1.0, 0.0, 0, forces, np.ones((1, len(nodes), 6)), nodes))
-    (cache_folder() / DONE).touch()
+    mark_compiled()
 
 
 if __name__ == "__main__":

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
 from ..contact.solutions import solver
-from ..errors import ContactError
+from ..errors import ContactError, DivergenceError
 from ..runtime.arrays import Real
 from .changes import Condition
 from .coupled_kernels import run
@@ -24,12 +25,19 @@ class Coupled:
 
     def __init__(self, models: Models, wheel_load: float, step: int, speed: float) -> None:
         """At rest, or in steady running, under ``wheel_load`` N on both wheels at ``step``."""
-        self._models = models
+        self.models = models
         self._dynamics = models.dynamics.start(wheel_load, step, models.step_length, speed)
         self._speed = self._speed_behind = speed
         self._ahead: dict[float, Future[None]] = {}
         self._next = step
         self._xi = np.empty((0, 2, 2))
+
+    def copy(self) -> Coupled:
+        """The same state, which goes on by itself."""
+        copied = copy.copy(self)
+        copied._dynamics = self.models.dynamics.copied(self._dynamics)
+        copied._ahead = {}
+        return copied
 
     @property
     def next_step(self) -> int:
@@ -45,13 +53,14 @@ class Coupled:
         """Forces (n, 2) N and stress components (n, S) Pa of the next n steps at ``speed`` m/s.
 
         ``preload`` (n, 2) m is that of each step; ``ahead`` are the speeds that come next. The steps
-        are fewer if a contact problem has no solution behind them; ContactError is raised if it is the first.
+        are fewer if a contact problem has no solution after them; ContactError is raised if it is the first. Raises
+        DivergenceError if a sample is not finite.
         """
         self._make_ready(speed, ahead)
         law, steps = condition.law, len(preload)
         tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
-        stress = np.empty((steps, len(self._models.dynamics.stress_rows)))
+        stress = np.empty((steps, len(self.models.dynamics.stress_rows)))
         xi = np.empty((steps, 2, 2))
         done = 0
         while done < steps:
@@ -64,7 +73,7 @@ class Coupled:
                     law,
                     solver(law) if solving else None,
                     preload[part],
-                    self._models.tread_origin,
+                    condition.tread_origin,
                     self._next + solved,
                     forces[part],
                     stress[part],
@@ -78,8 +87,9 @@ class Coupled:
                 if done == 0:
                     self._refuse(preload, xi)
                 break
-        self._xi = xi[:done]
-        return forces[:done], stress[:done]
+        forces, stress, self._xi = forces[:done], stress[:done], xi[:done]
+        require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress)
+        return forces, stress
 
     def _make_ready(self, speed: float, ahead: Sequence[float]) -> None:
         """Wait for the coefficients of ``speed`` if they are under way, have those of coming ones begun.
@@ -88,7 +98,7 @@ class Coupled:
         """
         if speed in self._ahead:
             self._ahead[speed].result()
-        prepare, dx = self._models.dynamics.prepare, self._models.step_length
+        prepare, dx = self.models.dynamics.prepare, self.models.step_length
         self._ahead = {coming: self._ahead.get(coming) or _POOL.submit(prepare, dx, coming) for coming in ahead}
 
     def _set_speed(self, speed: float, done: int, stop: int) -> int:
@@ -98,7 +108,7 @@ class Coupled:
         changes = speed != self._speed
         self._speed_behind = self._speed if changes else speed
         self._speed = speed
-        models = self._models
+        models = self.models
         self._dynamics = models.dynamics.at_speed(
             self._dynamics, self._next, models.step_length, speed, self._speed_behind
         )
@@ -110,3 +120,19 @@ class Coupled:
             f"the contact problem of step {self._next} has no solution: approach of wheel 1 and 2 is "
             f"{approach[0]:g} and {approach[1]:g} m, beyond what half-spaces of this size can carry"
         )
+
+
+def require_finite(first_step: int, **samples: Real) -> None:
+    """Raise DivergenceError if any of the samples (n, ...) from ``first_step`` on is not finite.
+
+    The error names the first such step and the values of all samples at that step.
+    """
+    if all(np.isfinite(values).all() for values in samples.values()):
+        return
+    bad = np.any([~np.isfinite(values.reshape(len(values), -1)).all(axis=1) for values in samples.values()], axis=0)
+    row = int(bad.argmax())
+    shown = ", ".join(
+        f"{name} {np.array2string(values[row].ravel(), precision=6, max_line_width=10**9)}"
+        for name, values in samples.items()
+    )
+    raise DivergenceError(f"step {first_step + row} is not finite ({shown}): the models at this speed are not stable")

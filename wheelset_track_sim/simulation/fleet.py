@@ -14,8 +14,8 @@ from weakref import WeakValueDictionary
 from ..runtime.cache import digest
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
-from ..scenario.scenario import Scenario
-from .models import Models, described, load_models
+from ..scenario import Scenario
+from .models import Models, load_models
 from .simulator import CHANGEABLE, Simulator
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class ModelPool:
     def models(self, scenario: Scenario, progress: Progress | None = None) -> Models:
         """Models of a scenario; waits for another thread that builds the same. Raises InputError as ``load_models``."""
         kept = {field.name: getattr(scenario, field.name) for field in fields(Scenario) if field.name not in CHANGEABLE}
-        key = digest([kept, described(scenario)])  # a file may change between two runs: its content counts
+        key = digest(kept)
         with self._lock:
             building = self._building.setdefault(key, threading.Lock())
         with building:
@@ -49,6 +49,22 @@ class Fleet:
     """Simulators that go on side by side, as many at a time as there are threads; a context manager.
 
     The kernels of the stepping loop run without the interpreter lock. Each simulator gives the same bits as alone.
+
+    Parameters
+    ----------
+    scenarios
+        One for each wheelset.
+    progress
+        Called with stage and fraction while models are built.
+    threads
+        Number of threads; the number of cores if None.
+
+    Examples
+    --------
+    >>> with Fleet([load_scenario("damage_wheel_1"), load_scenario("undamaged")]) as fleet:
+    ...     first, second = fleet.advance(1000)  # the blocks of each wheelset
+    >>> sum(len(block) for block in first)
+    1000
     """
 
     def __init__(
@@ -58,7 +74,9 @@ class Fleet:
         pool = ModelPool()
 
         def simulator(scenario: Scenario) -> Simulator:
-            return Simulator(scenario, progress, pool.models(scenario, progress))
+            built = Simulator(scenario, progress, pool.models(scenario, progress))
+            built.settle()
+            return built
 
         self._executor = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)), "wheelset")
         try:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import ContactPatch, solve_patch
 from ..samples.block import SampleBlock
-
-if TYPE_CHECKING:
-    from .simulator import Simulator
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +18,9 @@ class Contact:
     """0 or 1."""
     step: int
     tread_step: int
-    """Step on the tread, from its angle 0 on."""
+    """Step on the treads of the law, from their row 0 on."""
+    angle: float
+    """Place on the circumference of the wheel that meets the rail there, rad, from 0 to below 2 pi."""
     approach: float
     """Overlap of the nominal surfaces at the middle of the contact, m."""
     law: ContactLaw
@@ -51,6 +49,14 @@ class Instant:
     """Place on the circumference of the wheel that met the rail there, rad, from 0 to below 2 pi."""
 
 
+class WheelContacts(Protocol):
+    """A run that hands over the contacts of its latest block, as ``Simulator`` does."""
+
+    def contact(self, wheel: int, row: int) -> Contact:
+        """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block."""
+        ...
+
+
 class Contacts:
     """The latest contact of each wheel, and that of its largest force since the start; solved only when asked for."""
 
@@ -60,23 +66,23 @@ class Contacts:
         self.worst: tuple[Instant, ...] = ()
         """Likewise: at the first step with the largest force."""
 
-    def push(self, simulator: Simulator, block: SampleBlock) -> None:
-        """Take in ``block``, the latest of ``simulator``."""
+    def push(self, run: WheelContacts, block: SampleBlock) -> None:
+        """Take in ``block``, the latest of ``run``."""
         if len(block) == 0:
             return
         wheels = range(block.forces.shape[1])
-        self.latest = tuple(_instant(simulator, block, wheel, len(block) - 1) for wheel in wheels)
+        self.latest = tuple(_instant(run, block, wheel, len(block) - 1) for wheel in wheels)
         rows = [int(block.forces[:, wheel].argmax()) for wheel in wheels]
         self.worst = tuple(
             self.worst[wheel]
             if self.worst and block.forces[row, wheel] <= self.worst[wheel].force
-            else _instant(simulator, block, wheel, row)
+            else _instant(run, block, wheel, row)
             for wheel, row in enumerate(rows)
         )
 
 
-def _instant(simulator: Simulator, block: SampleBlock, wheel: int, row: int) -> Instant:
-    contact, turn = simulator.contact(wheel, row), simulator.steps_per_revolution
+def _instant(run: WheelContacts, block: SampleBlock, wheel: int, row: int) -> Instant:
+    contact = run.contact(wheel, row)
     return Instant(
         contact=contact,
         force=float(block.forces[row, wheel]),
@@ -84,5 +90,5 @@ def _instant(simulator: Simulator, block: SampleBlock, wheel: int, row: int) -> 
         speed=block.speed,
         position=block.position + row * (block.speed * block.step_period),
         revision=block.revision,
-        angle=contact.tread_step % turn * (2 * math.pi / turn),
+        angle=contact.angle,
     )

@@ -3,43 +3,112 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import ContactPatch, approach_for_force
 from ..errors import InputError
+from ..irregularities import Irregularity
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
-from .finite import require_finite
-from .handover import handover
 from .instants import Contact
 from .models import Models, load_models
+from .passage import FADE, passage
 from .preload import Loading
 from .speed import Course, Stretch
 from .superposition import Superposition, followed, superposition
 
 SETTLING = 1.0
-"""Time of smooth running before step 0, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the difference
-between standing and running, which is itself below 1 % of the static load."""
+"""Time of smooth running that a run settles with, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the
+difference between standing and running, which is itself below 1 % of the static load."""
+LEAD = 2.0
+"""Time on the scenario's surfaces before step 0, s: the bending of the axle that a defect excites decays meanwhile."""
+LEAD_AFTER_FADE = 0.3
+"""The same on surfaces that never leave the patch, after they have faded in, s: these excite it evenly."""
 
-CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities", "line_length", "loads")
+CHANGEABLE = (
+    "name",
+    "speed",
+    "acceleration",
+    "speed_plan",
+    "axle_load",
+    "irregularities",
+    "line_length",
+    "loads",
+    "settle_on",
+)
 """Scenario keys that may change during a run; the models do not depend on them."""
 
 REMEMBERED = 10_000
 """Changes that a run remembers, the latest: some 2 kB each."""
 
 
+class Settling(NamedTuple):
+    """What a run settles under."""
+
+    wheel_load: float
+    """N on each wheel."""
+    step: int
+    """The first step after settling."""
+    speed: float
+    """m/s"""
+    surfaces: tuple[tuple[Irregularity, ...], float | None]
+    """Irregularities, and the length after which those of the rails repeat, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """A run in steady state, from which simulators begin."""
+
+    under: Settling
+    coupled: Coupled
+
+    def check(self, under: Settling, models: Models) -> None:
+        """Raise InputError unless a simulator of ``models`` can begin from it ``under`` these conditions."""
+        if self.coupled.models is not models:
+            raise InputError("the settled state belongs to other models: hand the same models to the simulator")
+        for name in ("wheel_load", "step", "speed"):
+            given, own = getattr(under, name), getattr(self.under, name)
+            if given != own:
+                raise InputError(f"the settled state has {name} = {own:g}, the run {given:g}: settle it anew")
+        if under.surfaces != self.under.surfaces:
+            raise InputError("the settled state is of a run on other surfaces: settle it anew")
+
+
 class Simulator:
     """One wheelset running along the track, block by block.
 
-    Step 0 follows a settling phase with smooth treads, so that the stream starts in steady running. ``advance`` and
-    ``apply`` may be called from different threads.
+    A simulator is constructed, which builds its models; settled, which runs it on its surfaces until it is steady; and
+    advanced. ``advance`` and ``apply`` may be called from different threads.
+
+    Parameters
+    ----------
+    scenario
+        What is simulated.
+    progress
+        Called with stage and fraction while models are built.
+    models
+        Models of an earlier run, which serve again if nothing but ``CHANGEABLE`` keys differs.
+    start
+        Where a run begins that does not begin with step 0, with its speed and the speed that it approaches.
+
+    Examples
+    --------
+    >>> simulator = Simulator(load_scenario("undamaged"))
+    >>> settled = simulator.settle()
+    >>> block = simulator.advance(2713)  # one turn of the wheel
+    >>> block.forces.shape, block.stresses.shape
+    ((2713, 2), (2713, 3, 6))
     """
 
     def __init__(
@@ -49,33 +118,98 @@ class Simulator:
         models: Models | None = None,
         start: Stretch | None = None,
     ) -> None:
-        """Load or build the models and settle; raises InputError if the scenario cannot be used.
-
-        Raises ContactError, with a step below that of the start, for models that do not settle.
-
-        ``models`` of an earlier run serve again if nothing but ``CHANGEABLE`` keys differs. ``start`` is where a run
-        begins that does not begin with step 0, with the speed that is run at and the one that is approached.
-        """
+        """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
-        self._check_steps(scenario)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
-        start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
-        settling = round(SETTLING / (scenario.step_length / start.speed))
-        smooth = Condition(Revision(0, start.step), scenario, self._models.contact_law(()), self._preload_for(scenario))
-        self._coupled = Coupled(self._models, scenario.wheel_load, start.step - settling, start.speed)
-        self._loading = Loading(smooth.preload)
-        self._preload = np.tile(smooth.preload, (settling, 1))
-        while self._coupled.next_step < start.step:  # once; again from a step without solution, which raises
-            left = self._preload[self._coupled.next_step - start.step :]
-            self._forces = self._coupled.run(smooth, start.speed, left)[0][-1]
-        self._changes = Changes(smooth, self._models.tread_origin)
+        self._start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
+        self._smooth = self._models.contact_law(())
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
-        self._changes.add(scenario, law, smooth.preload, number=0)
-        self._course = Course((start,), scenario.step_length).redirected(
-            start.step, start.set_point, scenario.acceleration, scenario.speed_plan
+        begun = scenario.settles_on_surfaces
+        revision, preload, origin = (
+            Revision(0, self._start.step),
+            self._preload_for(scenario),
+            self._models.tread_origin,
         )
-        self._history: tuple[Applied, ...] = (Applied(smooth.revision, scenario, start.set_point),)
+        first = Condition(
+            revision, scenario, law if begun else self._smooth, preload, self._start.step, self._models.tread_origin
+        )
+        self._coupled: Coupled | None = None
+        self._loading = Loading(preload)
+        self._preload = np.empty((0, 2))
+        self._changes = Changes(first, origin)
+        if not begun:
+            fade = partial(self._models.fade_law, dataclasses.replace(scenario, irregularities=()), scenario)
+            self._changes.add(scenario, law, preload, fade, number=0)
+        self._course = Course((self._start,), scenario.step_length).redirected(
+            self._start.step, self._start.set_point, scenario.acceleration, scenario.speed_plan
+        )
+        self._first = first
+        self._history: tuple[Applied, ...] = (Applied(revision, scenario, self._start.set_point),)
+
+    def settle(self, settled: Settled | None = None) -> Settled:
+        """Run until the run is steady, or begin from a settled state; ``advance`` does it if need be.
+
+        The run settles on smooth surfaces first and then on those of the scenario, unless its ``settle_on`` is smooth.
+
+        Parameters
+        ----------
+        settled
+            What an earlier call returned, of this simulator or of another one on the same models, with the same load,
+            start and speed; then nothing is run.
+
+        Returns
+        -------
+        Settled
+            The state at the start of the run. It can be kept, and simulators can begin from it any number of times.
+
+        Raises
+        ------
+        ContactError
+            With a step below that of the start, for models that do not settle.
+        InputError
+            If ``settled`` belongs to other models, or to another load, start or speed.
+        ValueError
+            If the run has begun.
+        """
+        if self._coupled is not None:
+            raise ValueError("the run has begun: settle a new simulator")
+        scenario, start = self._first.scenario, self._start
+        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
+        under = Settling(scenario.wheel_load, start.step, start.speed, on)
+        if settled is None:
+            stages = self._settling(under)
+            coupled = Coupled(self._models, scenario.wheel_load, stages[0].from_step, start.speed)
+            for stage, end in zip(stages, [*(each.from_step for each in stages[1:]), start.step], strict=True):
+                while coupled.next_step < end:  # once; again from a step without solution, which raises
+                    coupled.run(stage, start.speed, np.tile(stage.preload, (end - coupled.next_step, 1)))
+            settled = Settled(under, coupled.copy())
+        else:
+            settled.check(under, self._models)
+            coupled = settled.coupled.copy()
+        self._coupled = coupled
+        return settled
+
+    def _settling(self, under: Settling) -> list[Condition]:
+        """What a run settles on: smooth surfaces, then those of the scenario; each from a step on, up to the next."""
+        first, models, dt = self._first, self._models, self.in_force.step_length / under.speed
+        smooth = dataclasses.replace(first, law=self._smooth, tread_origin=models.tread_origin)
+        lead = 0
+        stages: list[Condition] = []
+        if under.surfaces[0]:
+            turn, origin = models.steps_per_revolution, models.tread_origin
+            lead = max(round(LEAD / dt), turn)
+            clear = passage(self._smooth, first.law, under.step - lead, origin)
+            if clear is None:
+                lead = max(round((FADE + LEAD_AFTER_FADE) / dt), turn)
+                begin = under.step - lead
+                plain = dataclasses.replace(first.scenario, irregularities=())
+                law, steps = models.fade_law(plain, first.scenario, begin, under.speed)
+                row_0, clear = begin - len(law.x), begin + steps
+                stages.append(dataclasses.replace(first, law=law, from_step=begin, tread_origin=row_0))
+            stages.append(dataclasses.replace(first, from_step=clear))
+        begin = under.step - lead - round(SETTLING / dt)
+        return [dataclasses.replace(smooth, from_step=begin), *stages]
 
     @property
     def scenario(self) -> Scenario:
@@ -105,7 +239,7 @@ class Simulator:
     @property
     def next_step(self) -> int:
         """Index of the next sample."""
-        return self._coupled.next_step
+        return self._start.step if self._coupled is None else self._coupled.next_step
 
     @property
     def time(self) -> float:
@@ -140,14 +274,16 @@ class Simulator:
     @property
     def displacements(self) -> Real:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
-        return self._coupled.displacements
+        return np.empty((0, 2, 2)) if self._coupled is None else self._coupled.displacements
 
     def contact(self, wheel: int, row: int) -> Contact:
         """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block; it stays good when the run goes on."""
         law, approach = self.approach(wheel, row)
         step = self.next_step - len(self.displacements) + row
         bare = law._replace(points=law.points[:0])  # tables take memory, and no part in a solution
-        return Contact(wheel, step, step - self._models.tread_origin, approach, bare)
+        turn = self.steps_per_revolution
+        angle = (step - self._models.tread_origin) % turn * (2 * math.pi / turn)
+        return Contact(wheel, step, step - self._changes.in_force.tread_origin, angle, approach, bare)
 
     def contact_patch(self, wheel: int, row: int) -> ContactPatch:
         """The same, solved for its pressure."""
@@ -166,10 +302,11 @@ class Simulator:
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
         It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
-        changes is in the contact patch; after one turn of the wheel at the latest, with a ``handover`` if it is never
-        out of it. From there on a changed load rises (``loading``), and there the ramps to a changed ``speed`` and
-        torque begin, which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged
-        value, too. With ``exactly`` it does not wait for the contact patch, but comes where it has come before.
+        changes is in the contact patch. If there is none within a turn of the wheel, the surfaces fade (``passage``).
+        From that step on a changed load rises (``preload``), and the ramps to a changed ``speed`` and torque begin,
+        which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged value, too. With
+        ``exactly`` it does not wait for the contact patch, but comes into force at ``not_before``, where it has done so
+        before.
         """
         newest = self._changes.newest
         current = newest.scenario
@@ -186,24 +323,28 @@ class Simulator:
             scenario = dataclasses.replace(scenario, speed_plan=())
         if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
             raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
-        self._check_steps(scenario)
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
-        return self._changes.add(scenario, law, self._preload_for(scenario), not_before=not_before, exactly=exactly)
+        fade = partial(self._models.fade_law, current, scenario)
+        preload = self._preload_for(scenario)
+        return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
 
     def advance(self, steps: int) -> SampleBlock:
         """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
 
-        Raises ContactError with step and inputs if a contact problem has no solution; samples solved before that
-        step are returned first.
+        A simulator that is not settled yet is settled first. Raises ContactError with step and inputs if a contact
+        problem has no solution; samples solved before that step are returned first.
         """
         if steps < 1:
             raise ValueError(f"steps = {steps}: give at least 1")
         longest = self._models.dynamics.longest_run - SETTLING
         if self.time + steps * self.step_period > longest:
             raise InputError(f"{self.in_force.dynamics} dynamics runs for {longest:g} s at most: use causal for longer")
-        first = end = self.next_step
+        if self._coupled is None:
+            self.settle()
+        coupled = cast("Coupled", self._coupled)
+        first = end = coupled.next_step
         while end == first:  # again for a change that was accepted between the two
             self._install_due()
             end = self._changes.claim(min(first + steps, self._course.border(first)))
@@ -213,9 +354,7 @@ class Simulator:
         rows = np.arange(first - on.step, end - on.step, dtype=np.float64)
         times = on.time + rows * (scenario.step_length / on.speed)
         self._preload = self._loading.at(times)
-        forces, stress = self._coupled.run(condition, on.speed, self._preload, ahead)
-        self._forces = forces[-1]
-        require_finite(first, forces=forces, displacements=self._coupled.displacements, stress=stress)
+        forces, stress = coupled.run(condition, on.speed, self._preload, ahead)
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
         stresses[self._models.dynamics.stress_rows] = stress.T
@@ -239,17 +378,6 @@ class Simulator:
         preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
         return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
 
-    def _check_steps(self, scenario: Scenario) -> None:
-        """Raise InputError for a speed at which the time of a step is more than the dynamics can follow."""
-        slowest = min([scenario.speed, *(each.speed for each in scenario.speed_plan)])
-        longest = self._models.dynamics.longest_step
-        if scenario.step_length > longest * slowest * (1 + 1e-9):
-            raise InputError(
-                f"speed = {slowest:g} m/s makes steps of {1e3 * scenario.step_length / slowest:.3g} ms, and track.line "
-                f"holds up to {1e3 * longest:g} ms: give a speed from {scenario.step_length / longest:g} m/s, or a "
-                f"step_length up to {longest * slowest:g} m"
-            )
-
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""
         models = self._models
@@ -257,14 +385,10 @@ class Simulator:
 
     def _install_due(self) -> None:
         """Conditions that are due; course and loading from here on if they are others."""
-        before, time, law = self.in_force, self.time, self._changes.in_force.law
+        before, time = self.in_force, self.time
         self._loading = self._loading.over(time)
         for condition in self._changes.due(self.next_step):
-            if not condition.clear:
-                where = self.next_step, self._models.tread_origin
-                by = handover(law, condition.law, *where, self._forces, time, self.step_period)
-                self._loading = self._loading.raised(by)
-            now, law = condition.scenario, condition.law
+            now = condition.scenario
             if any(getattr(now, key) != getattr(before, key) for key in ("speed", "acceleration", "speed_plan")):
                 set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed
                 self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)

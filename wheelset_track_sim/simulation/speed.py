@@ -18,7 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..scenario.scenario import SetPoint
+from ..scenario import SetPoint
 
 LEVEL = 0.5
 """Distance of the levels, m/s. At a border the force changes by 3 N, of 98 kN and of a ripple of 1 to 7 kN at the

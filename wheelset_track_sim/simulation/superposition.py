@@ -12,15 +12,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..errors import InputError
-from ..inputs.schema import unknown
 from ..runtime.arrays import Real
 from ..runtime.one_core import one_core
 from ..scenario.loads import Loads
 from ..wheelset.imported import ImportedWheelset
-from ..wheelset.kinds import AnyWheelset
+from ..wheelset.kinds import AnyWheelset, with_geometry
 from ..wheelset.reduced import ReducedWheelset
-from ..wheelset.static_loads import check_parts, parts_of, press_fit_stress, reacted, torsion_stress
+from ..wheelset.static_loads import press_fit_stress, reacted, torsion_stress
 
 
 @dataclass(frozen=True)
@@ -66,16 +64,9 @@ class Superposition:
 def superposition(
     loads: Loads, wheelset: AnyWheelset, reduced: ReducedWheelset, nodes: Sequence[str]
 ) -> Superposition | None:
-    """What ``loads`` add at stress nodes; None if they are none.
-
-    Raises InputError for a node or a part that the wheelset does not have.
-    """
+    """What ``loads``, which fit the wheelset, add at stress nodes; None if they are none."""
     if loads.none:
         return None
-    for index, item in enumerate(loads.stresses):
-        if item.node not in reduced.node_names:
-            where = f"loads.stresses.{index}.node = {item.node!r}"
-            raise InputError(unknown("stress node of this wheelset", where, item.node, reduced.node_names))
     constant = _press_fit(wheelset, reduced, loads.press_fit.wheels, loads.press_fit.equipment).copy()
     for item in loads.stresses:
         constant[reduced.node(item.node)] += item.components
@@ -109,21 +100,14 @@ def _press_fit(wheelset: AnyWheelset, reduced: ReducedWheelset, wheels: float, e
     """Stress (N, 6) at all nodes of a wheelset."""
     if not (wheels or equipment):
         return np.zeros((len(reduced.node_names), 6))
-    if isinstance(wheelset, ImportedWheelset):
-        raise InputError(
-            f"loads.press_fit needs the geometry of seats and hubs, and wheelset {wheelset.name} is imported: "
-            "give its stress in loads.stresses"
-        )
     with one_core():
-        return press_fit_stress(wheelset, reduced.node_positions, wheels, equipment)
+        return press_fit_stress(with_geometry(wheelset), reduced.node_positions, wheels, equipment)
 
 
 @lru_cache(maxsize=8)
 def _torsion(wheelset: AnyWheelset, reduced: ReducedWheelset, torque_at: tuple[str, ...], wheel_1_share: float) -> Real:
-    """Stress (N, 6) at all nodes for each N m of torque; raises InputError for a part that there is not."""
+    """Stress (N, 6) at all nodes for each N m of torque."""
     if isinstance(wheelset, ImportedWheelset):
-        check_parts(torque_at, [*wheelset.places])
         return wheelset.torsion(reacted(torque_at, wheel_1_share))
-    check_parts(torque_at, parts_of(wheelset))
     with one_core():
         return torsion_stress(wheelset, reduced.node_positions, reacted(torque_at, wheel_1_share))

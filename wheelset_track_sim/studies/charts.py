@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from ..errors import InputError
 from ..inputs.schema import unknown
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from . import drawing, units
 from .axes import Axis, Point
 from .outputs import extreme_of, place_of, quantity_of, unit_of
@@ -79,7 +79,7 @@ class Lines:
         """Write the figure as PNG and SVG."""
         columns = min(self.columns, len(self.panels))
         rows = -(-len(self.panels) // columns)
-        with drawing.new_figure(3.9 * rows + 0.5, self.title, results.made_by) as figure:
+        with new_figure(3.9 * rows + 0.5, self.title, results.made_by) as figure:
             grid = figure.subplots(rows, columns, squeeze=False).ravel()
             for axes, panel in zip(grid, self.panels, strict=False):
                 self._panel(axes, panel, results)

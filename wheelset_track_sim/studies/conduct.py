@@ -16,7 +16,7 @@ from ..simulation.models import load_models
 from .evaluate import Job, Result, evaluate, program
 from .results import Results
 from .store import Store
-from .study import Run, Study
+from .study import Study, StudyRun
 from .workers import on_cluster, on_this_machine
 
 RUNS = "runs"
@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Place:
+class Resources:
     """Where runs are simulated."""
 
     workers: int | None = None
@@ -41,8 +41,57 @@ class Place:
             raise InputError("--workers is for this machine: a --scheduler has workers of its own")
 
 
+def run_study(
+    study: Study,
+    out: str | Path,
+    changes: Sequence[str] = (),
+    *,
+    resources: Resources | None = None,
+    progress: Progress | None = None,
+) -> Results:
+    """Run a study: simulate what is not stored yet, and return the results of all its runs.
+
+    Parameters
+    ----------
+    study
+        From ``load_study``, or made in Python.
+    out
+        Folder in which finished runs are stored; a run that is there is not simulated again.
+    changes
+        ``key=value`` changes of the base scenario, as with ``--set``.
+    resources
+        Number of worker processes, or a Dask scheduler; one process a core if None.
+    progress
+        Called with stage and fraction.
+
+    Returns
+    -------
+    Results
+        ``value(index, output)`` gives a number of a run, SI; ``failures`` names the runs that failed.
+
+    Raises
+    ------
+    InputError
+        For a change or a folder that cannot be used; nothing has run then.
+
+    Examples
+    --------
+    >>> study = Study(
+    ...     title="Depth",
+    ...     scenario="damage_wheel_1",
+    ...     vary={"irregularities.0.h": [0.0005, 0.002]},
+    ...     outputs=("wheels.wheel_1.max_force",),
+    ... )
+    >>> results = run_study(study, "depths")
+    >>> [round(results.value(run, "wheels.wheel_1.max_force") / 1e3) for run in (0, 1)]  # kN
+    [230, 291]
+    """
+    folder = Path(out)
+    return conduct(folder.name, study, study.runs(changes), folder, resources or Resources(), progress)[0]
+
+
 def conduct(
-    name: str, study: Study, runs: Sequence[Run], out: Path, place: Place, progress: Progress | None = None
+    name: str, study: Study, runs: Sequence[StudyRun], out: Path, resources: Resources, progress: Progress | None = None
 ) -> tuple[Results, int]:
     """Results of a study whose folder is ``out``, and how many runs were there already.
 
@@ -65,13 +114,13 @@ def conduct(
         if progress:
             progress(f"study {name}", share)
 
-    if missing and place.scheduler is None:
+    if missing and resources.scheduler is None:
         with suppress(WheelsetTrackError):  # of which the run itself will tell
             # Once for all: the workers then find most of the models in the cache.
             load_models(runs[missing[0]].scenario, progress, tables="smooth")
     if runs:
         tell(there / len(runs))
-    for index, ended in _done({index: runs[index].job for index in missing}, place):
+    for index, ended in _done({index: runs[index].job for index in missing}, resources):
         if isinstance(ended, Result):
             store.save(keys[index], ended, f"study {name}, run {runs[index].label}")
             found[index] = ended
@@ -84,13 +133,13 @@ def conduct(
     return Results(name, study, tuple(runs), dict(sorted(found.items())), failures), there
 
 
-def _done(jobs: Mapping[int, Job], place: Place) -> Iterator[tuple[int, Result | Exception]]:
+def _done(jobs: Mapping[int, Job], resources: Resources) -> Iterator[tuple[int, Result | Exception]]:
     if not jobs:
         return iter(())
     work: Callable[[Job], Result] = partial(evaluate, made_for=program())
-    if place.scheduler is not None:
-        return on_cluster(work, jobs, place.scheduler)
-    return on_this_machine(work, jobs, min(place.workers or _cores(), len(jobs)))
+    if resources.scheduler is not None:
+        return on_cluster(work, jobs, resources.scheduler)
+    return on_this_machine(work, jobs, min(resources.workers or _cores(), len(jobs)))
 
 
 def _cores() -> int:

@@ -3,31 +3,22 @@
 from __future__ import annotations
 
 import csv
-import textwrap
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import InputError
-from ..report.figures import COLOURS, STYLE, finish
+from ..report.figures import COLOURS, finish
 from ..runtime.arrays import Complex, Real
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 
 BAND = 2500.0
 """Hz; the band of the paper, if the scenario gives none."""
-WIDTH = 9.6
-"""Width of a figure, inches: 1200 pixels, legible at the width of a page."""
-DOTS = 125
-NOTE = 150
-"""Letters in a line of the note below a figure."""
-QUIET = "#5a5a5f"
 BESIDE = 1.3
 """Ratio of frequencies below which a peak's label begins at the peak: it stands clear of that of the peak before."""
 
@@ -40,17 +31,6 @@ class Look:
     colour: str = COLOURS[0]
     dashes: Any = "-"
     width: float = 1.2
-
-
-@contextmanager
-def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
-    """Figure in the style of the reports, with its title and, in grey, the model and dynamics that made it."""
-    with rc_context({**STYLE, "svg.hashsalt": title, "mathtext.default": "regular"}):
-        figure = Figure(figsize=(WIDTH, height), dpi=DOTS, layout="constrained")
-        figure.suptitle(title, fontsize=12, x=0.01, ha="left")
-        lines = "\n".join(textwrap.wrap(made_by, NOTE))
-        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET)
-        yield figure
 
 
 def save(out: Path, name: str, figure: Figure) -> list[Path]:

@@ -5,23 +5,23 @@ from __future__ import annotations
 import dataclasses
 import threading
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from .. import __version__, contact, dynamics, irregularities, samples, simulation, track, wheelset
 from ..errors import WheelsetTrackError
 from ..irregularities import rail_heights, tread_heights
 from ..irregularities.surface import RAILS
+from ..runtime import sources
 from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..samples.principal import maximum_principal
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS, Scenario
+from ..scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
+from ..version import __version__
 from .outputs import value_of
 
 INSTANTS = ("reference", "max_force")
@@ -34,8 +34,6 @@ class Job:
     """What is simulated and what is kept of it."""
 
     scenario: Scenario
-    models: str
-    """Digest of the content of its wheelset and track."""
     before: float
     """Track from which results are kept, before the place where angle 0 of the treads meets the rail, m."""
     after: float
@@ -60,13 +58,14 @@ class Job:
         return self.scenario.speed / self.scenario.step_length + self.first_step + self.samples
 
     def digest(self) -> str:
-        """Digest of all that changes the result: scenario and content of its models, what is kept, the program.
+        """Digest of all that changes the result: scenario, what is kept, the program.
 
-        The scenario's name does not.
+        The program includes kinds of irregularities of other packages. The scenario's name changes nothing.
         """
-        plain = {key: value for key, value in self.scenario.to_mapping().items() if key != "name"}
+        scenario = dataclasses.replace(self.scenario, name="any")
         kept = [self.before, self.after, self.outputs, self.histories, self.pressures]
-        return digest([program(), plain, self.models, kept])
+        kinds = sorted({type(each).__module__ for each in scenario.irregularities})
+        return digest([program(), *map(sources.program, kinds), scenario, kept])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,10 +80,9 @@ class Result:
     ``.x`` and ``.y`` in m and ``.at``: position in m, force in N, y of the rolling circle in m."""
 
 
-@cache
 def program() -> str:
-    """Digest of the program: its version and the sources that simulate."""
-    return digest(__version__, contact, dynamics, irregularities, samples, simulation, track, wheelset)
+    """Digest of the program: its version and the sources of a run."""
+    return sources.program(__name__)
 
 
 def evaluate(job: Job, made_for: str) -> Result:
@@ -138,6 +136,7 @@ ANY: dict[str, Any] = {
     "axle_load": 2e5,
     "irregularities": (),
     "line_length": None,
+    "settle_on": "surfaces",
 }
 """Values for the keys on which models do not depend."""
 

@@ -12,10 +12,9 @@ from matplotlib.axes import Axes
 
 from ..errors import InputError
 from ..inputs.schema import unknown
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from ..runtime.arrays import Real
-from ..scenario.scenario import WHEELS
-from ..track.track import load_track
+from ..scenario import WHEELS
 from . import drawing, units
 
 if TYPE_CHECKING:
@@ -102,7 +101,7 @@ class Histories:
     def draw(self, results: Results, out: Path) -> list[Path]:
         """Write the figure as PNG and SVG."""
         heights = [1 if panel.of == "irregularity" else 2 for panel in self.panels]
-        with drawing.new_figure(0.9 + 1.55 * sum(heights), self.title, results.made_by) as figure:
+        with new_figure(0.9 + 1.55 * sum(heights), self.title, results.made_by) as figure:
             stacked = figure.subplots(len(self.panels), 1, sharex=True, squeeze=False, height_ratios=heights).ravel()
             for axes, panel in zip(stacked, self.panels, strict=True):
                 self._panel(axes, panel, results)
@@ -159,7 +158,7 @@ class Histories:
         number = min(results.found)
         scenario = results.runs[number].scenario
         distance, part = self._distance(results, number)
-        spacing, reference = load_track(scenario.track).spacing, scenario.reference_position
+        spacing, reference = scenario.track.spacing, scenario.reference_position
         low, high = distance[part][[0, -1]] + reference
         for sleeper in np.arange(math.ceil(low / spacing - 1e-9), math.floor(high / spacing + 1e-9) + 1):
             axes.axvline(sleeper * spacing - reference, color="#d9d9d9", linewidth=1.0, zorder=0)

@@ -11,12 +11,12 @@ import numpy as np
 from ..dynamics.green_functions import integrated
 from ..dynamics.hold import hold_coefficients
 from ..dynamics.moving_green_functions import moving_green_functions
-from ..report.figures import COLOURS, finish
+from ..report.figures import COLOURS, finish, new_figure
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
 from ..track.ring import MAX_FREQUENCY, HalfRing, TrackRing, track_ring
-from ..track.track import Track, load_track
+from ..track.track import Track
 from . import drawing
 from .drawing import Look
 
@@ -42,7 +42,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
 
     Raises InputError for a track or a step length that cannot be used, and for a folder that cannot be written.
     """
-    track, dx, dt = load_track(scenario.track), scenario.step_length, scenario.step_period
+    track, dx, dt = scenario.track, scenario.step_length, scenario.step_period
     limit = drawing.band(scenario)
     ring = track_ring(
         track, dx, max_frequency=min(scenario.max_frequency or MAX_FREQUENCY, MAX_FREQUENCY), progress=progress
@@ -79,7 +79,7 @@ def _figure(
         f"paper's functions of the loaded rail lack {missing[0]:.0f} pm/N above a sleeper and {missing[1]:.0f} pm/N "
         "mid-bay of the causal ones."
     )
-    with drawing.new_figure(6.6, title, made) as figure:
+    with new_figure(6.6, title, made) as figure:
         axes = figure.subplots(2, 2, width_ratios=(1.1, 1))
         for row, rail in enumerate(CLOSE):
             for index, start in enumerate(STARTS):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..errors import InputError
 from ..inputs.schema import unknown
 from ..samples.summary import Summary
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 
 OF_WHEELS = {
     "max_force": ("contact force", "max", "N"),

@@ -13,6 +13,7 @@ from matplotlib.patches import Ellipse
 
 from ..errors import InputError
 from ..irregularities import breakouts
+from ..report.figures import new_figure
 from . import drawing
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ class PressureMaps:
         rows = len(numbers)
         height = 1.1 + rows * (0.5 + 7.2 / len(kept) * half_y / half_x)
         made = f"{results.made_by}.\nDashed: rim of the defect. White: no contact. Running direction to the right."
-        with drawing.new_figure(height, self.title, made) as figure:
+        with new_figure(height, self.title, made) as figure:
             grid = figure.subplots(rows, len(kept), sharex=True, sharey=True, squeeze=False)
             for row, number in zip(grid, numbers, strict=True):
                 for axes, name in zip(row, kept, strict=True):

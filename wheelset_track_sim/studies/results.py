@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from .. import __version__
 from ..report.published import published_case
-from ..scenario.scenario import Scenario
+from ..scenario import Scenario
+from ..version import __version__
 from .axes import Axis, Point
 from .evaluate import Result
 from .outputs import value_of
-from .study import Run, Study
+from .study import Study, StudyRun
 
 SLEEPER_SPACING = 0.6
 """m, Section 4."""
@@ -28,7 +28,7 @@ class Results:
 
     name: str
     study: Study
-    runs: tuple[Run, ...]
+    runs: tuple[StudyRun, ...]
     found: Mapping[int, Result]
     failures: Mapping[int, str]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -12,20 +12,28 @@ from typing import Any, Literal
 from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import check, quantity, read, unknown
-from ..runtime.cache import digest
-from ..scenario.scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
-from ..simulation.models import described
+from ..runtime.progress import Progress
+from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
+from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
 from .outputs import check_output
 from .pressure_maps import PressureMaps
-from .registry import check_figure
+
+FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
+    "wheelset_receptances": wheelset_receptances.draw,
+    "wheelset_modes": wheelset_modes.draw,
+    "track_receptances": track_receptances.draw,
+    "moving_green_functions": moving_green_functions.draw,
+}
+"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
+returns what it wrote."""
 
 
 @dataclass(frozen=True)
-class Window:
+class EvaluationWindow:
     """Track over which a run is evaluated, around the place where angle 0 of the treads meets the rail.
 
     The default is the paper's: three sleeper bays (Section 5.4), with the defect in their middle.
@@ -39,7 +47,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Run:
+class StudyRun:
     """One run of a study."""
 
     points: tuple[Point, ...]
@@ -59,7 +67,21 @@ class Run:
 
 @dataclass(frozen=True)
 class Study:
-    """What a study file says."""
+    """A study: a base scenario, what is varied, what is kept of each run, and what is drawn.
+
+    ``docs/studies.md`` describes the keys. ``run_study`` runs it.
+
+    Raises
+    ------
+    InputError
+        For axes, outputs or figures that do not exist.
+
+    Examples
+    --------
+    >>> study = Study(title="Speed", vary={"speed": [20.0, 30.0]}, outputs=("wheels.wheel_1.max_force",))
+    >>> [run.scenario.speed for run in study.runs()]
+    [20.0, 30.0]
+    """
 
     title: str
     description: str = ""
@@ -69,7 +91,7 @@ class Study:
     """Dotted scenario keys that differ from the base scenario in all runs."""
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
-    window: Window = field(default_factory=Window)
+    window: EvaluationWindow = field(default_factory=EvaluationWindow)
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -79,14 +101,15 @@ class Study:
     drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
-    """Figures that are drawn from the models, without runs: see ``registry``."""
+    """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
         for name in ("set", "vary"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name} = {getattr(self, name)!r} is not a mapping of scenario keys")
-        for index, figure in enumerate(self.figures):
-            check_figure(figure, f"figures.{index}")
+        for index, name in enumerate(self.figures):
+            if name not in FIGURES:
+                raise InputError(unknown("figure", f"figures.{index} = {name!r}", name, [*FIGURES]))
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
@@ -124,43 +147,30 @@ class Study:
             override(data, change)
         return data
 
-    def runs(self, changes: Sequence[str] = ()) -> tuple[Run, ...]:
+    def runs(self, changes: Sequence[str] = ()) -> tuple[StudyRun, ...]:
         """All runs, the last axis varied fastest; raises InputError for the first that cannot be simulated."""
         if not self.has_runs:
             return ()
         base, axes = self.base(changes), self.axes
-        described = _Described()
-        return tuple(
-            self._run(base, axes, points, described) for points in itertools.product(*(axis.points for axis in axes))
-        )
+        return tuple(self._run(base, axes, points) for points in itertools.product(*(axis.points for axis in axes)))
 
-    def _run(
-        self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...], described: _Described
-    ) -> Run:
+    def _run(self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...]) -> StudyRun:
         data = copy.deepcopy(base)
         place = ", ".join(f"{axis.name} {point.label}" for axis, point in zip(axes, points, strict=True))
         try:
             for axis, point in zip(axes, points, strict=True):
                 for key, value in point.changes:
                     assign(data, key, copy.deepcopy(value), f"vary.{axis.name}: ")
-            for model in ("wheelset", "track"):
-                if isinstance(data[model], str) and data[model] not in shipped.names(f"{model}s"):
-                    data[model] = shipped.load_yaml(f"{model}s", data[model])  # a worker may not have the file
             take_in(data)
             scenario = scenario_from(data)
-            models, nodes = described(scenario)
-            self._check(scenario, nodes)
+            self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
         kept = (self.outputs, self.histories, self.pressures)
-        return Run(points, Job(scenario, models, self.window.before, self.window.after, *kept))
+        return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
-    def _check(self, scenario: Scenario, stress_nodes: Sequence[str]) -> None:
+    def _check(self, scenario: Scenario) -> None:
         """Raise InputError for what the study asks of a run that it does not have."""
-        for index, node in enumerate(scenario.output.stress_nodes):
-            if node not in stress_nodes:
-                where = f"output.stress_nodes.{index} = {node!r}"
-                raise InputError(unknown("stress node of this wheelset", where, node, stress_nodes))
         for index, name in enumerate(self.outputs):
             check_output(name, scenario.output.stress_nodes, f"outputs.{index}")
         if self.window.before > scenario.reference_position + 1e-9:
@@ -170,24 +180,24 @@ class Study:
             )
 
 
-class _Described:
-    """Digest and stress nodes of the models of scenarios; each kind of model is read once."""
-
-    def __init__(self) -> None:
-        self._known: dict[str, tuple[str, list[str]]] = {}
-
-    def __call__(self, scenario: Scenario) -> tuple[str, list[str]]:
-        """Raises InputError for models that cannot be used."""
-        parts = [scenario.wheelset, scenario.track, scenario.step_length, scenario.profiles, scenario.lateral_offset]
-        named = digest(parts)
-        if named not in self._known:
-            wheelset, track, geometry = described(scenario)
-            self._known[named] = digest([wheelset, track, geometry]), [node.name for node in wheelset.stress_nodes]
-        return self._known[named]
-
-
 def load_study(name_or_path: str | Path) -> Study:
-    """Study from a shipped name or a file; raises InputError in one line for anything that cannot be used."""
+    """Load a study.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a shipped study, such as ``speed``, or path of a YAML file.
+
+    Raises
+    ------
+    InputError
+        In one line, for anything that cannot be used.
+
+    Examples
+    --------
+    >>> [axis.name for axis in load_study("depth").axes]
+    ['size', 'irregularities.0.h']
+    """
     try:
         return read(Study, shipped.load_yaml("studies", name_or_path), "")
     except InputError as refusal:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from . import drawing, units
 from .histories import DISTANCE
 from .outputs import label_of, unit_of

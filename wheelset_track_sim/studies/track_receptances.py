@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..report.figures import COLOURS
+from ..report.figures import COLOURS, new_figure
 from ..runtime.arrays import Complex, Real
-from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..runtime.progress import Progress, unreported
+from ..scenario import Scenario
 from ..track import bloch
 from ..track import finite_elements as track_fe
-from ..track.track import Track, load_track
+from ..track.track import Track
 from . import drawing
 from .drawing import Look
 
@@ -49,7 +49,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
 
     Raises InputError for a track that cannot be used, and for a folder that cannot be written.
     """
-    track, report = load_track(scenario.track), progress or (lambda stage, fraction: None)
+    track, report = scenario.track, progress or unreported
     limit = drawing.band(scenario)
     places = {"above a sleeper": 0.0, MID_BAY: track.spacing / 2}
     frequencies = np.union1d(np.geomspace(LOWEST, limit, 1000), np.arange(LOWEST, limit, SPACING))
@@ -133,7 +133,7 @@ def _figure(
         f"same track's modes. Circles: finite elements, {track_fe.BAYS} bays with clamped ends, "
         f"{track.rail.elements_per_bay} rail elements a bay (Section 4). Static direct: {static}."
     )
-    with drawing.new_figure(6.6, title, made) as figure:
+    with new_figure(6.6, title, made) as figure:
         axes = figure.subplots(2, 2, sharex=True, sharey="row", height_ratios=(3, 2))
         for column, (place, curves) in enumerate(waves.items()):
             pair = axes[:, column]

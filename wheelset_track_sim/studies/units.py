@@ -6,9 +6,8 @@ import typing
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
+from ..irregularities.kinds import kind_named, known_kinds
 from ..scenario.scenario import BAND, Scenario
-from ..track.track import Track
-from ..wheelset.wheelset import Wheelset
 
 
 @dataclass(frozen=True)
@@ -57,9 +56,13 @@ def meaning(key: str) -> tuple[str, str]:
                 if field.name == part:
                     declared = field.metadata.get("quantity")
                     found = (declared.meaning.removeprefix("the "), declared.unit) if declared else found
-                    inner |= _dataclasses({"track": Track, "wheelset": Wheelset}.get(part, _hint(owner, part)))
+                    inner |= _kinds() if part == "irregularities" else _dataclasses(_hint(owner, part))
         owners = inner
     return found
+
+
+def _kinds() -> set[type]:
+    return {kind_named(name).factory for name in known_kinds()}
 
 
 def _hint(owner: type, name: str) -> Any:

@@ -8,13 +8,14 @@ import numpy as np
 
 from ..dynamics.green_functions import frequency_grid, green_function
 from ..errors import InputError
-from ..report.figures import COLOURS, finish
+from ..report.figures import COLOURS, finish, new_figure
 from ..runtime.arrays import Complex, Real
-from ..runtime.progress import Progress
-from ..scenario.scenario import Scenario
+from ..runtime.progress import Progress, unreported
+from ..scenario import Scenario
+from ..wheelset.kinds import with_geometry
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from ..wheelset.reduction import reduced_wheelset
-from ..wheelset.wheelset import Wheelset, load_wheelset
+from ..wheelset.wheelset import Wheelset
 from . import drawing
 from .drawing import Look
 
@@ -38,9 +39,9 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
     Raises InputError for models that cannot be used, for a scenario without stress nodes, and for a folder that
     cannot be written.
     """
-    wheelset = load_wheelset(scenario.wheelset)
+    wheelset = with_geometry(scenario.wheelset)
     reduced = reduced_wheelset(wheelset, progress=progress)
-    report = progress or (lambda stage, fraction: None)
+    report = progress or unreported
     frequencies = drawing.resonant_frequencies(reduced.poles, LOWEST, drawing.band(scenario))
     report("wheelset figures", 0.1)
     paths = _receptances(out, wheelset, reduced, frequencies)
@@ -72,7 +73,7 @@ def _receptances(out: Path, wheelset: Wheelset, reduced: ReducedWheelset, freque
     curves = {WHEEL_1: receptance[:, 0, 0], WHEEL_2: receptance[:, 1, 1], CROSS: receptance[:, 1, 0]}
     title = f"Wheelset {wheelset.name}: receptances at the wheel–rail contacts"
     made = f"{made_by(reduced)}. Both dynamics use it. Static: {_static(reduced)}."
-    with drawing.new_figure(6.4, title, made) as figure:
+    with new_figure(6.4, title, made) as figure:
         axes = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
         drawing.over_frequency(axes, frequencies, curves, "receptance (m/N)")
         paths = drawing.save(out, "wheelset_receptances", figure)
@@ -95,7 +96,7 @@ def _stress(out: Path, wheelset: Wheelset, reduced: ReducedWheelset, frequencies
         f"{made_by(reduced)}, with static residual; used by both dynamics. "
         f"Static: {static[0]:.0f} and {static[1]:.0f} Pa/N."
     )
-    with drawing.new_figure(6.4, title, made) as figure:
+    with new_figure(6.4, title, made) as figure:
         axes = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
         drawing.over_frequency(axes, frequencies, curves, "stress over force (Pa/N)")
         drawing.label_peaks(axes[0], frequencies, np.abs(response).max(axis=1), 5)
@@ -118,7 +119,7 @@ def _green_functions(out: Path, wheelset: Wheelset, reduced: ReducedWheelset, sc
         "the paper sets it to zero. Causal dynamics: sum of the modes, without a band limit of its own. "
         f"{made_by(reduced)}."
     )
-    with drawing.new_figure(6.6, title, made) as figure:
+    with new_figure(6.6, title, made) as figure:
         whole, close = figure.subplots(2, 1)
         early = time <= CLOSE
         for row, look in ((1, CROSS), (0, WHEEL_1)):

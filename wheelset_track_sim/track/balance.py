@@ -14,20 +14,15 @@ them all: the state ``z`` means the same at every speed, and only ``A_0 + v A_1`
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..runtime import cache
 from ..runtime.arrays import Complex, Real
-from ..runtime.progress import Progress
-from . import bay as bay_module
-from . import ring as ring_module
-from . import timoshenko
-from . import track as track_module
+from ..runtime.cache import cached
+from ..runtime.progress import Progress, unreported
 from .ring import MAX_FREQUENCY, HalfRing, track_ring
 from .track import Track
 
@@ -161,19 +156,17 @@ def moving_track(
     progress: Progress | None = None,
 ) -> MovingTrack:
     """Ring of a track (``track_ring``) reduced to ``order`` real states a half; kept in the cache."""
-    report = progress or (lambda what, fraction: None)
+    return cached("moving-track", MovingTrack, _reduced, track, dx, max_frequency, order, progress=progress)
 
-    def build() -> MovingTrack:
-        ring = track_ring(track, dx, max_frequency=max_frequency, progress=progress)
-        symmetric = balanced(ring.symmetric, order)
-        report("track reduction", 0.5)
-        antisymmetric = balanced(ring.antisymmetric, order)
-        report("track reduction", 1.0)
-        return MovingTrack(symmetric, antisymmetric)
 
-    sources = [sys.modules[__name__], ring_module, bay_module, timoshenko, track_module]
-    key = cache.digest([track, dx, max_frequency, order], *sources)
-    return cache.cached("moving-track", MovingTrack, key, build)
+def _reduced(track: Track, dx: float, max_frequency: float, order: int, progress: Progress | None) -> MovingTrack:
+    report = progress or unreported
+    ring = track_ring(track, dx, max_frequency=max_frequency, progress=progress)
+    symmetric = balanced(ring.symmetric, order)
+    report("track reduction", 0.5)
+    antisymmetric = balanced(ring.antisymmetric, order)
+    report("track reduction", 1.0)
+    return MovingTrack(symmetric, antisymmetric)
 
 
 def balanced(half: HalfRing, order: int) -> HalfTrack:

@@ -22,7 +22,7 @@ from scipy.linalg import eigh, orth
 from scipy.sparse.linalg import splu
 
 from ..runtime.arrays import Complex, Real
-from .supports import Along, Line, along
+from .supports import Along, SupportLine, along
 from .timoshenko import element_matrices, local_flexibility, shape_functions
 from .track import Beam, Track
 
@@ -203,7 +203,7 @@ class TrackLine:
 @lru_cache(maxsize=8)
 def track_line(track: Track) -> TrackLine:
     """Line of a track; one without a ``line`` has the same supports everywhere."""
-    multiples: Along = along(track.line or Line())
+    multiples: Along = along(track.line or SupportLine())
     nowhere = np.zeros_like(multiples.gap)
     return TrackLine(
         track=track,

@@ -28,7 +28,6 @@ tip of the pinned-pinned peak, whose wave outlives its way round 80 bays (5 % wi
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
@@ -37,12 +36,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
-from ..runtime import cache
 from ..runtime.arrays import Complex, Real
-from ..runtime.progress import Progress
-from . import bay as bay_module
-from . import ring_modes, timoshenko
-from . import track as track_module
+from ..runtime.cache import cached
+from ..runtime.progress import Progress, unreported
 from .bay import assemble_bay, reduce_bay
 from .ring_modes import RingModes, bloch_modes, counting, real_form, response_level, static_compliance, thinned
 from .track import HALVES, Half, Track
@@ -155,21 +151,21 @@ def track_ring(
         raise InputError(f"max_frequency = {max_frequency:g} Hz is out of range: give 100 to 20000 Hz")
     if not 0.0 <= tolerance <= 0.2:
         raise InputError(f"tolerance = {tolerance:g} of the ring is out of range: give 0 to 0.2")
-    report = progress or (lambda what, fraction: None)
+    return cached("track", TrackRing, _ring, track, dx, bays, max_frequency, tolerance, progress=progress)
 
-    def build() -> TrackRing:
-        halves = []
-        for index, half in enumerate(HALVES):
 
-            def part(fraction: float, index: int = index) -> None:
-                report("track", (index + fraction) / len(HALVES))
+def _ring(
+    track: Track, dx: float, bays: int, max_frequency: float, tolerance: float, progress: Progress | None
+) -> TrackRing:
+    report = progress or unreported
+    steps, halves = round(track.spacing / dx), []
+    for index, half in enumerate(HALVES):
 
-            halves.append(_half_ring(track, half, steps, bays, max_frequency, tolerance, part))
-        return TrackRing(halves[0], halves[1], track.spacing, dx, bays, max_frequency)
+        def part(fraction: float, index: int = index) -> None:
+            report("track", (index + fraction) / len(HALVES))
 
-    sources = [sys.modules[__name__], bay_module, ring_modes, timoshenko, track_module]
-    key = cache.digest([track, dx, bays, max_frequency, tolerance], *sources)
-    return cache.cached("track", TrackRing, key, build)
+        halves.append(_half_ring(track, half, steps, bays, max_frequency, tolerance, part))
+    return TrackRing(halves[0], halves[1], track.spacing, dx, bays, max_frequency)
 
 
 def _half_ring(

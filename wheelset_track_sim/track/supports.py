@@ -31,6 +31,10 @@ Rail = Literal["rail_1", "rail_2", "both"]
 STIFF, DAMPED = (1e-3, 100.0), (1e-3, 10.0)
 """Limits of the multiples of stiffness and of damping."""
 
+LONGEST_STEP = 2.0e-4
+"""Longest step, s, in which the bays of a line can be followed: in longer ones impacts come out twice as high, and from
+0.3 ms on the force grows without bound."""
+
 _RANGE = re.compile(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?")
 
 
@@ -99,7 +103,7 @@ class Scatter:
 
 
 @dataclass(frozen=True)
-class Line:
+class SupportLine:
     """Supports along a line that repeats after a number of bays."""
 
     bays: int = quantity("", 48, 1000, "the number of bays after which the line repeats", default=80)
@@ -131,7 +135,7 @@ class Along(NamedTuple):
 KINDS = Along._fields[:4]
 
 
-def along(line: Line) -> Along:
+def along(line: SupportLine) -> Along:
     """What a line says of each side of each sleeper; of multiples beyond ``STIFF`` and ``DAMPED`` the limit holds."""
     multiples = {}
     for kind, draws in zip(KINDS, np.random.default_rng(line.scatter.seed).spawn(len(KINDS)), strict=True):

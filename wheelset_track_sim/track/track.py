@@ -18,14 +18,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
-from ..errors import InputError
-from ..inputs.schema import check, quantity, read
-from ..inputs.shipped import MAX_DEPTH, load_yaml
-from .supports import Line
+import numpy as np
 
+from ..errors import InputError
+from ..inputs import shipped
+from ..inputs.schema import check, plain, quantity, read, unknown
+from .supports import SupportLine, along
+
+SLOWEST = 5.0
+"""Lowest speed of a scenario, m/s."""
 Half = Literal["symmetric", "antisymmetric"]
 HALVES: tuple[Half, Half] = ("symmetric", "antisymmetric")
 
@@ -130,7 +135,7 @@ class Track:
     ballast: Ballast | None = None
     spacing: float = quantity("m", 0.2, 3.0, "the sleeper spacing", default=0.6)
     rail_distance: float = quantity("m", 0.3, 3.0, "the distance between the rails", default=1.5)
-    line: Line | None = None
+    line: SupportLine | None = None
     """Supports that differ along the line; None if they are all the same."""
 
     def __post_init__(self) -> None:
@@ -146,7 +151,20 @@ class Track:
         if self.line is not None and self.sleeper is None:
             self._refuse_ballast(self.line)
 
-    def _refuse_ballast(self, line: Line) -> None:
+    def check_step(self, dx: float) -> None:
+        """Raise InputError for hanging sleepers that steps of ``dx``, m, cannot follow at the lowest speed."""
+        if self.line is None or self.sleeper is None or self.ballast is None:
+            return
+        multiples = along(self.line)
+        hanging = multiples.ballast_damping[~np.isnan(multiples.gap)] * self.ballast.damping
+        mass = self.sleeper.rhoA * self.sleeper.length
+        if hanging.size and hanging.max() * dx / SLOWEST > mass:
+            raise InputError(
+                f"the ballast damping of hanging sleepers, {hanging.max():g} N s/m, is too high for steps of {dx:g} m: "
+                f"give up to {mass * SLOWEST / dx:.3g} N s/m"
+            )
+
+    def _refuse_ballast(self, line: SupportLine) -> None:
         """Raise InputError for what a line of slab track says about ballast."""
         for index, entry in enumerate(line.supports):
             if entry.gap is not None or entry.ballast_stiffness != 1.0 or entry.ballast_damping != 1.0:
@@ -156,14 +174,57 @@ class Track:
 
 
 def load_track(source: str | Path | Mapping[str, Any]) -> Track:
-    """Track from the name of a shipped one, the path of a YAML file, or a mapping; a Track is returned as it is.
+    """Load a track.
 
-    A mapping, or file, with ``base`` takes from the track of that name or path what it does not say itself.
-    Raises InputError for a name that is not shipped (listing those that are) and for values that cannot be used.
+    Parameters
+    ----------
+    source
+        Name of a shipped track (``ballasted_60e1``, ``ballasted_54e1``, ``slab_60e1``), path of a YAML file, or a
+        mapping with the keys of such a file. With ``base`` it takes what it does not say itself from the track of that
+        name or path.
+
+    Raises
+    ------
+    InputError
+        In one line, for a name, key or value that cannot be used.
+
+    Examples
+    --------
+    >>> softer = load_track({"base": "ballasted_60e1", "name": "softer", "pad": {"stiffness": 9e7}})
+    >>> softer.pad.stiffness, softer.spacing
+    (90000000.0, 0.6)
     """
-    if isinstance(source, Track):
-        return source
-    return read(Track, _with_base(source if isinstance(source, Mapping) else load_yaml("tracks", source)), "track")
+    if not isinstance(source, Mapping) and str(source) in shipped.names("tracks"):
+        return _shipped(str(source))
+    return read(
+        Track, _with_base(source if isinstance(source, Mapping) else shipped.load_yaml("tracks", source)), "track"
+    )
+
+
+def read_track(data: Any, where: str) -> Track:
+    """Track from the name of a shipped one or from a mapping; ``where`` is the key that messages begin with.
+
+    Raises InputError.
+    """
+    if isinstance(data, Track):
+        return data
+    if isinstance(data, str):
+        if data not in shipped.names("tracks"):
+            raise InputError(unknown("track", f"{where} = {data!r}", data, shipped.names("tracks")))
+        return _shipped(data)
+    return read(Track, _with_base(data), where)
+
+
+def plain_track(track: Track) -> Any:
+    """Name of a shipped track, or a mapping of all that a track is; ``read_track`` reads both."""
+    if track.name in shipped.names("tracks") and track == _shipped(track.name):
+        return track.name
+    return plain(track)
+
+
+@cache
+def _shipped(name: str) -> Track:
+    return read(Track, _with_base(shipped.load_yaml("tracks", name)), "track")
 
 
 def _with_base(data: Any, depth: int = 0) -> Any:
@@ -171,9 +232,9 @@ def _with_base(data: Any, depth: int = 0) -> Any:
     if not isinstance(data, Mapping) or "base" not in data:
         return data
     named = data["base"]
-    if not isinstance(named, (str, Mapping)) or depth > MAX_DEPTH:
+    if not isinstance(named, (str, Mapping)) or depth > shipped.MAX_DEPTH:
         raise InputError(f"track.base = {named!r} is not a track: give the name of a shipped one, or a file")
-    base = _with_base(named if isinstance(named, Mapping) else load_yaml("tracks", named), depth + 1)
+    base = _with_base(named if isinstance(named, Mapping) else shipped.load_yaml("tracks", named), depth + 1)
     merged = dict(base) if isinstance(base, Mapping) else {}
     for key, value in data.items():
         inner = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping) and key != "line"

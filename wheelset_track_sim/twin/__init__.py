@@ -1,5 +1,5 @@
-"""A recorded run beside the model: simulated again from what went in, as it was or with something changed."""
+"""A recorded run and the model side by side: simulated again from its inputs, as it was or with other settings."""
 
-from .resimulation import Again, simulate_again
+from .resimulation import Resimulation, resimulate
 
-__all__ = ["Again", "simulate_again"]
+__all__ = ["Resimulation", "resimulate"]

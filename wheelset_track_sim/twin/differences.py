@@ -1,4 +1,4 @@
-"""How far two runs of samples are apart, while they pass by."""
+"""Difference of two runs, sample by sample, in bounded memory."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..samples.block import SampleBlock
 
 
 @dataclass(frozen=True)
-class Place:
+class SamplePlace:
     """A sample."""
 
     step: int
@@ -28,20 +28,20 @@ class Difference:
     largest: float
     """N or Pa."""
     signal: str
-    """Which one has it, such as ``wheel_1`` or ``A1 yy``."""
-    at: Place
-    """Where it is."""
-    first: Place
+    """Signal with the largest difference, such as ``wheel_1`` or ``A1 yy``."""
+    at: SamplePlace
+    """SamplePlace of the largest difference."""
+    first: SamplePlace
     """The first sample with a difference."""
-    last_beyond: Place | None
+    last_beyond: SamplePlace | None
     """The last sample with more than the limit; None if there is none."""
 
 
-class Differences:
+class RunDifferences:
     """Collects the difference of some signals over consecutive blocks."""
 
     def __init__(self, signals: tuple[str, ...], limit: float) -> None:
-        """``limit`` is what is taken for agreement, in the unit of the signals."""
+        """``limit`` is the largest difference that counts as agreement, in the unit of the signals."""
         self._signals, self._limit = signals, limit
         self._found: Difference | None = None
 
@@ -51,15 +51,15 @@ class Differences:
         return self._found
 
     def push(self, block: SampleBlock, before: int, ours: Real, theirs: Real) -> None:
-        """Samples (n, signals) of both runs, ``before`` samples behind the first one of the recorded ``block``."""
+        """Compare samples (n, signals) of both runs, from sample ``before`` of the recorded ``block`` on."""
         unequal = ours != theirs
         if not unequal.any():
             return
 
-        def place(row: int) -> Place:
+        def place(row: int) -> SamplePlace:
             step = before + int(row)
             time = block.time + step * block.step_period
-            return Place(block.first_step + step, time, block.position + step * block.speed * block.step_period)
+            return SamplePlace(block.first_step + step, time, block.position + step * block.speed * block.step_period)
 
         size = np.where(unequal, np.nan_to_num(np.abs(ours - theirs), nan=np.inf), 0.0)
         row, column = np.unravel_index(int(size.argmax()), size.shape)

@@ -1,9 +1,9 @@
-"""A recorded run simulated again, revision by revision at their steps, beside what was recorded."""
+"""Simulate a recorded run again, with each change at its step, and compare it with the recording."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,34 +15,32 @@ from ..bags import Bag
 from ..bags.losses import Loss
 from ..bags.run_info import versions
 from ..errors import RecordingError
-from ..live.origin import model_digests
-from ..live.run_writer import RunWriter
+from ..live.run_messages import model_digests, record
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary, combine, summarise
-from ..scenario.scenario import WHEELS
+from ..scenario import WHEELS
 from ..simulation.simulator import Simulator
 from ..simulation.speed import Stretch
 from ..wheelset.reduced import COMPONENTS
-from .differences import Difference, Differences
-from .recorded_run import Change, Recorded, recorded
-from .what_if import with_settings
+from .differences import Difference, RunDifferences
+from .run_inputs import RecordedChange, RunInputs, run_inputs, with_settings
 
 CHUNK = 5556
 """Steps at a time where nothing is compared."""
 AGREEMENT = 1e-3
-"""Share of the static load, and of the largest stress at the start, that is taken for agreement."""
+"""Share of the static load, and of the largest stress at the start, that counts as agreement."""
 
 
 @dataclass(frozen=True, eq=False)
-class Again:
-    """A run simulated again, over the samples that were recorded."""
+class Resimulation:
+    """A run simulated again, over the samples that were recorded; ``resimulate`` returns it."""
 
     path: Path
     samples: int
     settings: tuple[str, ...]
-    """What was set that was not recorded, ``key=value``."""
-    inputs: Recorded
+    """Settings other than recorded, ``key=value``."""
+    inputs: RunInputs
     moved: tuple[tuple[int, int, int], ...]
     """Changes that came into force at another step than recorded: revision, recorded step, step."""
     force: Difference | None
@@ -54,88 +52,119 @@ class Again:
     after: Summary
     """Of the simulated ones, at the same steps."""
     origin: dict[str, tuple[str, str]]
-    """Versions and models that differ: what the bag says, what is here."""
+    """Versions and models that differ: as the bag names them, as they are here."""
     duration: float
     """Of the recorded samples, s."""
     unknown: tuple[int, ...]
-    """Revisions that the run had and the bag does not hold."""
+    """Revisions of the run that the bag does not hold."""
     lost: tuple[Loss, ...]
-    """What of the bag is damaged or missing; the rest is compared."""
+    """Damaged or missing parts of the bag; the rest is compared."""
 
     @property
     def identical(self) -> bool:
         """Whether all forces and stresses are the same, bit by bit."""
         return self.force is None and self.stress is None and not self.moved
 
+    @property
+    def unexplained(self) -> bool:
+        """Whether the numbers differ although settings, software, processor and inputs are as recorded."""
+        return not (self.identical or self.settings or self.origin or self.inputs.start or self.unknown)
 
-def simulate_again(
+
+def resimulate(
     path: str | Path, settings: Sequence[str] = (), out: Path | None = None, progress: Progress | None = None
-) -> Again:
-    """Simulate the run of a bag again from what went in, and compare; with ``settings``, what would have been.
+) -> Resimulation:
+    """Simulate the run of a bag again from its inputs, and compare it with the recording.
 
-    ``out`` is a bag to write of the new run, over the steps that were recorded. A damaged bag is compared as far as it
-    can be read. Memory does not grow with the run.
-    Raises RecordingError if the bag cannot be read or does not say what went in, InputError for a setting that cannot
-    be made.
+    Memory does not grow with the length of the run.
+
+    Parameters
+    ----------
+    path
+        Bag, a file or a folder; a damaged one is compared as far as it can be read.
+    settings
+        ``key=value`` of a scenario, or of a parameter of the node, that hold throughout the new run.
+    out
+        Bag to write of the new run, over the steps that were recorded.
+    progress
+        Called with stage and fraction.
+
+    Raises
+    ------
+    RecordingError
+        The bag cannot be read or does not hold the inputs of its run.
+    InputError
+        A setting cannot be made, or ``out`` exists or cannot be written.
+
+    Examples
+    --------
+    >>> resimulate("ten_seconds.mcap").identical
+    True
+    >>> shallower = resimulate("ten_seconds.mcap", ["irregularities.0.h=0.001"])
+    >>> shallower.after.wheels[0].max_force < shallower.before.wheels[0].max_force
+    True
     """
     lost: list[Loss] = []
     bag = Bag(Path(path), lost.append)
-    inputs = recorded(bag)
+    inputs = run_inputs(bag)
     scenarios = with_settings([change.scenario for change in inputs.changes], settings)
     changes = [change._replace(scenario=new) for change, new in zip(inputs.changes, scenarios, strict=True)]
     kept = [_surfaces(old) == _surfaces(new) for old, new in zip(inputs.changes, changes, strict=True)]
-    player = _Player(changes, kept, inputs.start, progress)
+    rerun = _Rerun(changes, kept, inputs.start, progress)
     comparison: _Comparison | None = None
     with ExitStack() as stack:
-        writer: RunWriter | None = None
+        push: Callable[[SampleBlock, Summary], None] | None = None
         for block in bag.blocks():
-            if block.first_step < player.simulator.next_step:
-                continue  # before all that the bag knows of its run
-            for missing in player.up_to(block.first_step):
-                if writer is not None:
-                    writer.push(missing, summarise(missing))
+            if block.first_step < rerun.simulator.next_step:
+                continue  # before all inputs that the bag holds
+            for missing in rerun.up_to(block.first_step):
+                if push is not None:
+                    push(missing, summarise(missing))
             if comparison is None:
-                comparison = _Comparison(block, player.simulator)
+                comparison = _Comparison(block, rerun.simulator)
                 if out is not None:
-                    writer = stack.enter_context(RunWriter(out, player.simulator, start_ns=bag.start_ns))
+                    push = stack.enter_context(record(out, rerun.simulator, start_ns=bag.start_ns))
             done = 0
             while done < len(block):
-                simulated = player.advance(len(block) - done)
-                part = comparison.push(block, done, simulated)
-                if writer is not None:
-                    writer.push(simulated, part)
+                simulated = rerun.advance(len(block) - done)
+                summary = comparison.push(block, done, simulated)
+                if push is not None:
+                    push(simulated, summary)
                 done += len(simulated)
-        if writer is not None:
-            writer.finish()
     if comparison is None:
         raise RecordingError(
             f"{bag.path} does not say what its samples were simulated from: record it with its state topic"
         )
-    return Again(
+    return Resimulation(
         path=bag.path,
         samples=comparison.before.samples,
         settings=tuple(settings),
         inputs=inputs,
-        moved=tuple(player.moved),
+        moved=tuple(rerun.moved),
         force=comparison.force.found,
         stress=comparison.stress.found,
         before=comparison.before,
         after=comparison.after,
-        origin=_other(bag.info.versions, versions()) | _other(bag.info.models, model_digests(player.simulator)),
+        origin=_other(bag.info.versions, versions()) | _other(bag.info.models, model_digests(rerun.simulator)),
         duration=comparison.duration,
         unknown=tuple(sorted(comparison.revisions.difference(change.revision for change in changes))),
         lost=tuple(lost),
     )
 
 
-class _Player:
-    """A simulator that is told each change in time.
+class _Rerun:
+    """A simulator to which each recorded change is applied in time.
 
-    Changes come at their steps; from one surface that was not recorded, or to one, as soon as it is out of the patch.
+    A change comes into force at its recorded step. If the surfaces before or after it are not those of the recording,
+    it waits from there on until it is out of the contact patch.
     """
 
     def __init__(
-        self, changes: Sequence[Change], kept: Sequence[bool], start: Stretch | None, progress: Progress | None
+        self,
+        changes: Sequence[RecordedChange],
+        kept: Sequence[bool],
+        start: Stretch | None,
+        progress: Progress | None,
     ) -> None:
         self.moved: list[tuple[int, int, int]] = []
         exactly = [before and after for before, after in pairwise(kept)]
@@ -164,8 +193,8 @@ class _Comparison:
         nodes = simulator.scenario.output.stress_nodes
         self._rows = [(first.nodes.index(node), nodes.index(node)) for node in first.nodes if node in nodes]
         names = tuple(f"{first.nodes[row]} {component}" for row, _ in self._rows for component in COMPONENTS)
-        self.force = Differences(WHEELS, AGREEMENT * simulator.scenario.wheel_load)
-        self.stress = Differences(names, AGREEMENT * float(np.abs(first.stresses).max(initial=0.0)))
+        self.force = RunDifferences(WHEELS, AGREEMENT * simulator.scenario.wheel_load)
+        self.stress = RunDifferences(names, AGREEMENT * float(np.abs(first.stresses).max(initial=0.0)))
         self.duration = 0.0
         self.revisions: set[int] = set()
         self._before: Summary | None = None
@@ -182,7 +211,7 @@ class _Comparison:
         return self._after
 
     def push(self, block: SampleBlock, done: int, simulated: SampleBlock) -> Summary:
-        """Compare the samples of a recorded block behind the first ``done``; returns the summary of the simulated."""
+        """Compare the samples of a recorded block after the first ``done``; returns the summary of the simulated."""
         part = slice(done, done + len(simulated))
         self.force.push(block, done, block.forces[part], simulated.forces)
         ours, theirs = ([pair[which] for pair in self._rows] for which in (0, 1))
@@ -200,8 +229,8 @@ class _Comparison:
         return summary
 
 
-def _surfaces(change: Change) -> tuple[object, ...]:
-    """What the contact patch meets."""
+def _surfaces(change: RecordedChange) -> tuple[object, ...]:
+    """Everything that shapes the surfaces in contact."""
     return change.scenario.irregularities, change.scenario.line_length
 
 
@@ -210,5 +239,5 @@ def _added(total: Summary | None, part: Summary) -> Summary:
 
 
 def _other(there: Mapping[str, str], here: Mapping[str, str]) -> dict[str, tuple[str, str]]:
-    """What a bag says that is otherwise here."""
+    """Entries of a bag that differ here, with both values."""
     return {name: (text, here.get(name, "none")) for name, text in there.items() if here.get(name) != text}

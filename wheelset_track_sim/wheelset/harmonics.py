@@ -19,7 +19,7 @@ HARMONICS = range(7)
 
 
 @dataclass(frozen=True, eq=False)
-class Harmonic:
+class HarmonicModel:
     """Equations of motion of harmonic ``n`` in its free unknowns, without damping."""
 
     n: int
@@ -63,7 +63,7 @@ class Harmonic:
         return displacements
 
 
-def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> Harmonic:
+def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> HarmonicModel:
     """Model of harmonic ``n``; axle boxes, suspension and point masses act on n = 1, which alone moves the sections."""
     free = free_unknowns(mesh, n)
     stiffness, mass = (free.T @ matrix @ free for matrix in stiffness_and_mass(mesh, wheelset.material, n))
@@ -78,7 +78,7 @@ def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> Harmonic:
             motion = sp.csc_array(free.T @ section_motion(mesh, radius, *item.ends))
             mass = mass + motion @ sp.diags_array([item.mass, item.inertia]) @ motion.T
     contacts = free.T @ contact_displacements(wheelset, mesh)
-    return Harmonic(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes)
+    return HarmonicModel(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes)
 
 
 def contact_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:

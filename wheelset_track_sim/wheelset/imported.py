@@ -124,6 +124,7 @@ class ImportedWheelset:
             _shape(f"stress_nodes.{node.name}.position", node.position, 3)
             _shape(f"stress_nodes.{node.name}.modal", node.modal, found, 6)
             _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
+        self._check_units()
 
     @property
     def rolling_circles(self) -> tuple[float, float]:
@@ -136,16 +137,15 @@ class ImportedWheelset:
         wheel_1, wheel_2 = self.contacts
         return {place.name: place.y for place in self.torque_places} | {"wheel_1": wheel_1, "wheel_2": wheel_2}
 
+    @property
+    def torque_parts(self) -> list[str]:
+        """Names of the parts at which a torque can act."""
+        return [*self.places]
+
     def reduced(self) -> ReducedWheelset:
-        """Its reduced model; raises InputError where modes and static stresses have no unit in common."""
-        modes = self.modes
-        if modes.poles:
-            real, imaginary = np.array(modes.poles).T
-            omega = np.hypot(real, imaginary)
-            ratios = -real / omega
-        else:
-            omega, ratios = 2 * np.pi * np.array(modes.frequencies), np.array(modes.damping_ratios)
-        norm = np.sqrt(modes.modal_masses or np.ones(len(omega)))[:, np.newaxis]
+        """Reduced model of its modes."""
+        modes, (omega, norm, modal, static, of_modes) = self.modes, self._normalised()
+        ratios = -np.array(modes.poles)[:, 0] / omega if modes.poles else np.array(modes.damping_ratios)
         lift = np.array(modes.lift) / norm
         damping = np.diag(2 * ratios * omega)
         if modes.suspension:
@@ -155,10 +155,6 @@ class ImportedWheelset:
         order = np.argsort(np.abs(poles), kind="stable")
         poles, left, right = poles[order], left[order], right[:, order]
         nodes = len(self.stress_nodes)
-        modal = np.array([np.array(node.modal) / norm for node in self.stress_nodes]).reshape(nodes, len(omega), 6)
-        static = np.array([np.transpose(node.static) for node in self.stress_nodes]).reshape(nodes, 6, 2)
-        of_modes = np.einsum("npc,pw->ncw", modal, lift / omega[:, np.newaxis] ** 2)
-        self._check_units(of_modes, static)
         compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
         return ReducedWheelset(
             poles=poles,
@@ -183,7 +179,25 @@ class ImportedWheelset:
         positions = np.array([node.position for node in self.stress_nodes]).reshape(-1, 3)
         return nominal_torsion(positions, diameters, self.places, moments)
 
-    def _check_units(self, of_modes: Real, static: Real) -> None:
+    def _normalised(self) -> tuple[Real, Real, Real, Real, Real]:
+        """Natural frequencies (P,) rad/s, norms of the shapes (P, 1), and stresses at the nodes (nodes, 6, ...).
+
+        The stresses are those of the modes of unit modal mass, the static ones, and what the modes make of those.
+        """
+        modes, nodes = self.modes, len(self.stress_nodes)
+        omega = (
+            np.hypot(*np.array(modes.poles).T) if modes.poles else 2 * np.pi * np.array(modes.frequencies, np.float64)
+        )
+        norm = np.sqrt(modes.modal_masses or np.ones(len(omega)))[:, np.newaxis]
+        lift = np.array(modes.lift) / norm
+        modal = np.array([np.array(node.modal) / norm for node in self.stress_nodes]).reshape(nodes, len(omega), 6)
+        static = np.array([np.transpose(node.static) for node in self.stress_nodes]).reshape(nodes, 6, 2)
+        of_modes = np.einsum("npc,pw->ncw", modal, lift / omega[:, np.newaxis] ** 2)
+        return omega, norm, modal, static, of_modes
+
+    def _check_units(self) -> None:
+        """Raise InputError where modes and static stresses have no unit in common."""
+        *_, static, of_modes = self._normalised()
         for node, own, whole in zip(self.stress_nodes, of_modes.sum(axis=2), static.sum(axis=2), strict=True):
             modal, given = float(np.linalg.norm(own)), float(np.linalg.norm(whole))
             if not given / IN_COMMON <= modal <= given * IN_COMMON:

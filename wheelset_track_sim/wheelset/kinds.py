@@ -3,36 +3,89 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..inputs.schema import read
-from ..inputs.shipped import load_yaml
+from ..inputs import shipped
+from ..inputs.schema import plain, read, unknown
 from ..runtime.progress import Progress
 from .imported import ImportedWheelset
 from .reduced import ReducedWheelset
 from .reduction import reduced_wheelset
-from .wheelset import Wheelset, load_wheelset
+from .wheelset import Wheelset
 
 AnyWheelset = Wheelset | ImportedWheelset
 TABLES = ("poles", "lift", "suspension", "modal", "static", "static_lift")
-"""Arrays that a file may hold as text, a row a line."""
+"""Arrays of imported wheelsets that a file may hold as text, a row a line."""
 LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position")
 """The same without rows."""
 
 
-def load_any_wheelset(source: str | Path | Mapping[str, Any] | AnyWheelset) -> AnyWheelset:
-    """Wheelset from a shipped name, a YAML or NumPy file, or a mapping of its keys; ``imported`` tells the kinds apart.
+def load_wheelset(source: str | Path | Mapping[str, Any]) -> AnyWheelset:
+    """Load a wheelset.
 
-    Raises InputError in one line for a name, key or value that cannot be used.
+    Parameters
+    ----------
+    source
+        Name of a shipped wheelset (``x40``, ``trailer``, ``trailer_calculix``), path of a YAML or NumPy file, or a
+        mapping with the keys of such a file.
+
+    Returns
+    -------
+    Wheelset or ImportedWheelset
+        A wheelset by its geometry, or by its modes; the key ``imported`` tells the two apart.
+
+    Raises
+    ------
+    InputError
+        In one line, for a name, key or value that cannot be used.
+
+    Examples
+    --------
+    >>> wheelset = load_wheelset("x40")
+    >>> receptance(wheelset, [25.0, 85.0]).shape  # by frequency, response, force
+    (2, 2, 2)
+    >>> [node.name for node in wheelset.stress_nodes]
+    ['A1', 'B1', 'C1']
     """
-    if isinstance(source, (Wheelset, ImportedWheelset)):
-        return source
-    content = source if isinstance(source, Mapping) else load_yaml("wheelsets", source)
-    if isinstance(content, Mapping) and "imported" in content:
-        return read(ImportedWheelset, _with_numbers(content, "wheelset"), "wheelset")
-    return load_wheelset(content)
+    if isinstance(source, Mapping):
+        return read_wheelset(source, "wheelset")
+    if str(source) in shipped.names("wheelsets"):
+        return _shipped(str(source))
+    return read_wheelset(shipped.load_yaml("wheelsets", source), "wheelset")
+
+
+def read_wheelset(data: Any, where: str) -> AnyWheelset:
+    """Wheelset from the name of a shipped one or from a mapping; ``where`` is the key that messages begin with.
+
+    Raises InputError.
+    """
+    if isinstance(data, (Wheelset, ImportedWheelset)):
+        return data
+    if isinstance(data, str):
+        if data not in shipped.names("wheelsets"):
+            raise InputError(unknown("wheelset", f"{where} = {data!r}", data, shipped.names("wheelsets")))
+        return _shipped(data)
+    if isinstance(data, Mapping) and "imported" in data:
+        return read(ImportedWheelset, _with_numbers(data, where), where)
+    return read(Wheelset, data, where)
+
+
+def plain_wheelset(wheelset: AnyWheelset) -> Any:
+    """Name of a shipped wheelset, or a mapping of all that a wheelset is; ``read_wheelset`` reads both."""
+    if wheelset.name in shipped.names("wheelsets") and wheelset == _shipped(wheelset.name):
+        return wheelset.name
+    content = plain(wheelset)
+    return _with_text(content) if isinstance(wheelset, ImportedWheelset) else content
+
+
+def with_geometry(wheelset: AnyWheelset) -> Wheelset:
+    """Return the wheelset; raises InputError for an imported one, which has no geometry."""
+    if isinstance(wheelset, ImportedWheelset):
+        raise InputError(f"wheelset {wheelset.name} is imported and has no geometry: give one that has")
+    return wheelset
 
 
 def reduce_wheelset(wheelset: AnyWheelset, progress: Progress | None = None) -> ReducedWheelset:
@@ -40,6 +93,11 @@ def reduce_wheelset(wheelset: AnyWheelset, progress: Progress | None = None) -> 
     if isinstance(wheelset, ImportedWheelset):
         return wheelset.reduced()
     return reduced_wheelset(wheelset, progress=progress)
+
+
+@cache
+def _shipped(name: str) -> AnyWheelset:
+    return read_wheelset(shipped.load_yaml("wheelsets", name), "wheelset")
 
 
 def _with_numbers(content: Any, where: str) -> Any:
@@ -53,6 +111,20 @@ def _with_numbers(content: Any, where: str) -> Any:
         }
     if isinstance(content, list):
         return [_with_numbers(item, f"{where}.{index}") for index, item in enumerate(content)]
+    return content
+
+
+def _with_text(content: Any) -> Any:
+    """``content`` with its tables as text, which YAML reads and writes a thousand times faster than lists."""
+    if isinstance(content, Mapping):
+        return {
+            key: "".join(" ".join(map(repr, row)) + "\n" for row in (item if key in TABLES else [item]))
+            if key in (*TABLES, *LISTS) and item
+            else _with_text(item)
+            for key, item in content.items()
+        }
+    if isinstance(content, list):
+        return [_with_text(item) for item in content]
     return content
 
 

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..runtime.arrays import Complex, Real
-from ..runtime.cache import cached, digest
-from ..runtime.progress import Progress
-from ..samples import principal
-from . import equipment as wheelset_equipment
-from . import harmonic_elements, section_mesh, stress_node, stress_points
-from . import harmonics as wheelset_harmonics
-from . import mesh as wheelset_mesh
-from . import parts as wheelset_parts
-from . import reduced as reduced_module
-from . import wheelset as wheelset_module
+from ..runtime.cache import cached
+from ..runtime.progress import Progress, unreported
+from . import stress_points
 from .harmonic_elements import nodal_stress, solid_mass
 from .harmonics import HARMONICS, harmonic
+from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .section_mesh import SectionMesh
 from .stress_points import StressPoints
@@ -58,26 +51,19 @@ def reduced_wheelset(
     wheelset: Wheelset, *, max_frequency: float = MAX_FREQUENCY, progress: Progress | None = None
 ) -> ReducedWheelset:
     """Reduced model from the cache of models, built if it is not there; arguments as of `build_reduced_wheelset`."""
-    geometry = (wheelset_parts, wheelset_equipment, stress_node, wheelset_module, section_mesh, wheelset_mesh)
-    mechanics = (harmonic_elements, wheelset_harmonics, stress_points, reduced_module, principal, sys.modules[__name__])
-    key = digest([wheelset, max_frequency], *geometry, *mechanics)
-
-    def build() -> ReducedWheelset:
-        return build_reduced_wheelset(wheelset, max_frequency=max_frequency, progress=progress)
-
-    return cached("wheelset", ReducedWheelset, key, build)
+    return cached("wheelset", ReducedWheelset, build_reduced_wheelset, wheelset, max_frequency, progress=progress)
 
 
 def build_reduced_wheelset(
-    wheelset: Wheelset, *, max_frequency: float = MAX_FREQUENCY, progress: Progress | None = None
+    wheelset: Wheelset, max_frequency: float = MAX_FREQUENCY, progress: Progress | None = None
 ) -> ReducedWheelset:
     """Reduced model with all modes of harmonics 0 to 6 to ``max_frequency`` Hz.
 
     ``progress`` is called with a stage and the fraction done (0 to 1).
     """
-    report = progress or (lambda stage, fraction: None)
+    report = progress or unreported
     report("wheelset mesh", 0.0)
-    mesh = wheelset_mesh.wheelset_mesh(wheelset)
+    mesh = wheelset_mesh(wheelset)
     samples = stress_points.stress_points(wheelset, mesh)
     parts = []
     for n in HARMONICS:
@@ -114,7 +100,7 @@ def build_reduced_wheelset(
 
 def mode_shapes(wheelset: Wheelset, max_frequency: float = MAX_FREQUENCY) -> tuple[SectionMesh, list[ModeShapes]]:
     """Section mesh of a wheelset and its modes of each harmonic to ``max_frequency`` Hz."""
-    mesh = wheelset_mesh.wheelset_mesh(wheelset)
+    mesh = wheelset_mesh(wheelset)
     found = []
     for n in HARMONICS:
         model = harmonic(wheelset, mesh, n)

@@ -16,8 +16,6 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from ..errors import InputError
-from ..inputs.schema import unknown
 from ..runtime.arrays import Real
 from .harmonic_elements import free_unknowns, nodal_stress, stiffness_and_mass
 from .harmonics import on_surface
@@ -96,20 +94,6 @@ def reacted(torque_at: Sequence[str], wheel_1_share: float) -> dict[str, float]:
     moments["wheel_1"] -= wheel_1_share
     moments["wheel_2"] -= 1.0 - wheel_1_share
     return moments
-
-
-def check_parts(torque_at: Sequence[str], known: Sequence[str]) -> None:
-    """Raise InputError for a part at which no torque can act."""
-    for index, part in enumerate(torque_at):
-        if part not in known:
-            where = f"loads.torque_at.{index} = {part!r}"
-            raise InputError(unknown("part of this wheelset that takes a torque", where, part, known))
-
-
-def parts_of(wheelset: Wheelset) -> list[str]:
-    """Parts at which a torque can act."""
-    gearbox = ["gearbox"] if wheelset.gearbox else []
-    return [*gearbox, *(item.name for item in wheelset.equipment), "wheel_1", "wheel_2"]
 
 
 def _grip(wheelset: Wheelset, part: str) -> tuple[float, float, float]:

@@ -7,20 +7,66 @@ y = 0 and given by their distance from it; the axle and the gearbox are given by
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from itertools import pairwise
+from typing import ClassVar
 
 from ..errors import InputError
-from ..inputs.schema import quantity, read
-from ..inputs.shipped import load_yaml
-from .equipment import Equipment, PointMass, Ring, clear_of_each_other
+from ..inputs.schema import quantity
 from .parts import Axle, AxleBoxes, BrakeDiscs, Checked, Gearbox, Material, Wheel, increasing
 from .stress_node import StressNode, check_stress_nodes
 
 LARGEST_SHIFT = 0.035
 """Of a contact from the rolling circle, m: nearer to flange or rim no contact is solved."""
+
+
+@dataclass(frozen=True)
+class OnAxle(Checked):
+    """What stands on a cylinder of the axle from ``y - length / 2`` to ``y + length / 2``."""
+
+    name: str
+    y: float = quantity("m", -2.0, 2.0, "the y of its middle")
+    length: float = quantity("m", 0.01, 1.0, "the length of axle on which it stands")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.name:
+            raise InputError("equipment has an empty name: give each piece a name of its own")
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last y, m."""
+        return self.y - self.length / 2, self.y + self.length / 2
+
+
+@dataclass(frozen=True)
+class Ring(OnAxle):
+    """Hollow cylinder of the wheelset's material, tied to the axle: it adds mass and stiffness, as the gearbox does."""
+
+    type: ClassVar[str] = "ring"
+    outer_radius: float = quantity("m", 0.05, 0.7, "the outer radius of the ring")
+
+
+@dataclass(frozen=True)
+class PointMass(OnAxle):
+    """Rigid mass without stiffness; it follows the mean lift and tilt of the axle's surface under it."""
+
+    type: ClassVar[str] = "mass"
+    mass: float = quantity("kg", 0.0, 2000.0, "the mass")
+    inertia: float = quantity("kg m^2", 0.0, 500.0, "the moment of inertia about a diameter of the axle", default=0.0)
+
+
+Equipment = Ring | PointMass
+
+
+def clear_of_each_other(parts: list[tuple[str, float, float]]) -> None:
+    """Raise InputError unless parts (what, first y, last y) stand beside each other; touching is fine."""
+    ordered = sorted(parts, key=lambda part: part[1])
+    for (before, _, end), (after, start, _) in pairwise(ordered):
+        if start < end - 1e-9:
+            raise InputError(
+                f"{after} begins at y = {start:g} m, where {before} stands, which ends at {end:g} m: move one of them"
+            )
 
 
 @dataclass(frozen=True)
@@ -108,6 +154,12 @@ class Wheelset:
         return tuple(item for item in self.equipment if isinstance(item, PointMass))
 
     @property
+    def torque_parts(self) -> list[str]:
+        """Names of the parts at which a torque can act."""
+        gearbox = ["gearbox"] if self.gearbox else []
+        return [*gearbox, *(item.name for item in self.equipment), "wheel_1", "wheel_2"]
+
+    @property
     def attached(self) -> tuple[tuple[str, float, float], ...]:
         """Parts of the solid that cover the axle's surface: what, first and last y, m."""
         inner, outer = self.wheel.hub_inner, self.wheel.hub_outer
@@ -131,16 +183,3 @@ class Wheelset:
         """Contact points of wheels 1 and 2: y, m."""
         first, second = self.rolling_circles
         return first + self.contact_shifts[0], second + self.contact_shifts[1]
-
-
-def load_wheelset(source: str | Path | Mapping[str, Any] | Wheelset) -> Wheelset:
-    """Wheelset from a shipped name, a YAML file, or a mapping of its keys.
-
-    Raises InputError in one line for a name, key or value that cannot be used.
-    """
-    if isinstance(source, Wheelset):
-        return source
-    content = source if isinstance(source, Mapping) else load_yaml("wheelsets", source)
-    if isinstance(content, Mapping) and "imported" in content:
-        raise InputError(f"wheelset {content.get('name')} is imported and has no geometry: give one that has")
-    return read(Wheelset, content, "wheelset")

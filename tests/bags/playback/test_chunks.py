@@ -1,19 +1,16 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wheelset_track_sim.bags.definitions import full_name
 from wheelset_track_sim.bags.messages import chunk_messages
-from wheelset_track_sim.bags.playback.chunks import LONGEST, chunked, leading_topic, span_ns
-from wheelset_track_sim.bags.playback.recorded_bag import Recorded
+from wheelset_track_sim.bags.playback.recorded_bag import Played
+from wheelset_track_sim.bags.playback.selection import LONGEST, chunked, leading_topic, span_ns
+from wheelset_track_sim.bags.topics import Topic, topic_of_node
 
 MS = 10**6
 
 
 def marked(*items, leading="forces"):
-    return [
-        (item.message.topic, item.begins)
-        for item in chunked([Recorded(time, topic, b"") for time, topic in items], leading)
-    ]
+    return [(item.topic, item.begins) for item in chunked([Played(time, topic, b"") for time, topic in items], leading)]
 
 
 def test_a_chunk_begins_with_the_first_message_of_its_time():
@@ -53,20 +50,22 @@ def test_little_is_read_ahead():
     def messages():
         for number in range(1000):
             read.append(number)
-            yield Recorded(number * 50 * MS, "a1", b"")
+            yield Played(number * 50 * MS, "a1", b"")
 
     next(chunked(messages(), "forces"))
     assert len(read) <= LONGEST / (50 * MS) + 2
 
 
 def test_forces_lead_then_stresses_then_the_summary():
-    kinds = {"/s": full_name("LoadSummary"), "/a": full_name("AxleStress"), "/d": "diagnostic_msgs/msg/DiagnosticArray"}
-    assert leading_topic(kinds | {"/f": full_name("ContactForces"), "/g": full_name("ContactForces")}) == "/f"
-    assert leading_topic(kinds) == "/a"
-    assert leading_topic({"/d": kinds["/d"]}) is None
+    kinds = {"s": "LoadSummary", "a": "AxleStress", "f": "ContactForces", "g": "ContactForces"}
+    topics = {name: topic_of_node("", name, kind) for name, kind in kinds.items()}
+    topics["d"] = Topic("/d", "diagnostic_msgs/msg/DiagnosticArray", "", b"", {})
+    assert leading_topic(topics) == "f"
+    assert leading_topic({name: topics[name] for name in "sad"}) == "a"
+    assert leading_topic({"d": topics["d"]}) is None
 
 
 def test_span_is_from_the_first_sample_to_behind_the_last(make_block):
     block = make_block(0, 1389)
-    spans = {span_ns(full_name(message.kind), message.cdr) for message in chunk_messages(block, 0)}
+    spans = {span_ns(message.kind, message.cdr) for message in chunk_messages(block, 0)}
     assert spans == {round(1389 * block.step_period * 1e9)}

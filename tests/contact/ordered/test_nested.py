@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from support.contact_conditions import assert_contact_conditions
 from wheelset_track_sim.contact import (
     ContactGeometry,
-    Pair,
+    ProfilePair,
     RailHead,
     approach_for_force,
     build_contact_law,
@@ -258,7 +258,7 @@ def test_pressures_act_at_least_as_at_their_mean_distance(smooth):
 
 
 def test_other_geometries():
-    sharp = ContactGeometry(wheel_radius=0.3, pairs=(Pair(rail=RailHead((0.1,), (0.03,))),) * 2)
+    sharp = ContactGeometry(wheel_radius=0.3, pairs=(ProfilePair(rail=RailHead((0.1,), (0.03,))),) * 2)
     law = build_contact_law([], sharp, DX, 2000, tables=False)
     assert (nested_contacts(sharp, 0, law.x, law.y[0], law.separation[0]).element == law.nested[0].element).all()
     for depth in (1e-5, 2e-4):

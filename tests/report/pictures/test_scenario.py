@@ -10,12 +10,10 @@ from matplotlib.image import imread
 from support.paths import ROOT
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.report.pictures.profiles import draw_profiles
 from wheelset_track_sim.report.pictures.scenario import rows_of
-from wheelset_track_sim.report.pictures.supports import draw_supports, uneven
+from wheelset_track_sim.report.pictures.structures import draw_profiles, draw_supports, uneven
 from wheelset_track_sim.report.pictures.surfaces import draw_along, draw_map, irregular_surfaces
-from wheelset_track_sim.scenario.scenario import load_scenario
-from wheelset_track_sim.simulation.models import described
+from wheelset_track_sim.scenario import load_scenario
 
 DOCS = ROOT / "docs"
 TURN = 2713
@@ -60,7 +58,7 @@ def test_a_rail_is_drawn_along_the_line_in_micrometres_if_it_is_flat():
 
 
 def test_profiles_touch_where_the_contact_is_marked():
-    geometry = described(load_scenario("lateral_offset"))[2]
+    geometry = load_scenario("lateral_offset").geometry
     for wheel in (0, 1):
         drawn = axes()
         draw_profiles(drawn, geometry, wheel)
@@ -71,15 +69,15 @@ def test_profiles_touch_where_the_contact_is_marked():
 
 
 def test_supports_are_drawn_where_they_differ():
-    assert uneven(described(load_scenario("undamaged"))[1]) == ()
-    track = described(load_scenario("stiffness_transition"))[1]
+    assert uneven(load_scenario("undamaged").track) == ()
+    track = load_scenario("stiffness_transition").track
     assert uneven(track) == ("ballast",)
     drawn = axes()
     draw_supports(drawn, track, "ballast")
     values = drawn.lines[0].get_ydata()
     assert values.max() / values.min() > 2
     assert values[0] == pytest.approx(track.ballast.stiffness / 2 / 1e6)
-    hanging = described(load_scenario("hanging_sleeper"))[1]
+    hanging = load_scenario("hanging_sleeper").track
     drawn = axes()
     draw_supports(drawn, hanging, "ballast")
     assert any("gap 0.5 mm" in text for text in drawn.get_legend_handles_labels()[1])

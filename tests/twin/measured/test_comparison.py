@@ -1,6 +1,7 @@
 """Synthetic measurements: a simulation, resampled, moved, with noise and gain, is found again."""
 
 import json
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -11,15 +12,15 @@ from hypothesis import strategies as st
 from support.paths import ROOT
 from wheelset_track_sim.bags import blocks as recorded
 from wheelset_track_sim.cli import main
-from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.live.run_writer import RunWriter
+from wheelset_track_sim.errors import InputError, InputWarning
+from wheelset_track_sim.live.run_messages import record
 from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.samples.resampling import band_limited
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.twin.measured import Matching, Measurement, compare
 from wheelset_track_sim.twin.measured.reading import read_measurement
-from wheelset_track_sim.twin.measured.resampling import band_limited
 
 EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 TURN = 2713
@@ -68,7 +69,7 @@ def test_lag_and_gain_are_found_again(
     found = compare(blocks, synthetic(blocks, rate, lag, gain, noise, seed=seed))
     assert abs(found.lag - lag) < 6 * found.uncertainty + 1e-3 * found.step + 1e-12 * abs(lag)
     assert found.uncertainty < 0.2 * found.step
-    for each in found.measures:
+    for each in found.agreement:
         assert each.gain == pytest.approx(gain, rel=0.01 + 0.4 * noise)  # six standard deviations
         assert each.correlation > 0.997 - 0.7 * noise
 
@@ -76,8 +77,8 @@ def test_lag_and_gain_are_found_again(
 def test_a_perfect_measurement_has_no_error(blocks: list[SampleBlock]) -> None:
     found = compare(blocks, synthetic(blocks, 1e4, 0.123456))
     assert found.lag == pytest.approx(0.123456, abs=1e-8)
-    assert found.measures[0].rms_error < 100.0  # of 98 kN: what two filters in a row leave of an impact
-    assert found.measures[2].correlation > 0.99999
+    assert found.agreement[0].rms_error < 100.0  # of 98 kN: what two filters in a row leave of an impact
+    assert found.agreement[2].correlation > 0.99999
     [pair] = found.impacts
     assert pair.signal == "wheel_1"
     assert abs(pair.error) < 1e-3
@@ -123,6 +124,42 @@ def test_what_repeats_is_ambiguous_unless_the_lag_is_given_about(blocks: list[Sa
     assert found.lag == pytest.approx(1800 * ripple[0].step_period, abs=1e-7)
 
 
+@given(
+    start=st.decimals(1_000_000_000, 4_000_000_000, places=6, allow_nan=False),
+    unit=st.sampled_from(["s", "ms", "us", "ns", "iso"]),
+    how=st.sampled_from(["", "lag", "origin"]),
+)
+@settings(max_examples=15)
+def test_time_stamps_are_compared_by_their_origin(
+    blocks: list[SampleBlock], tmp_path_factory: pytest.TempPathFactory, start: Decimal, unit: str, how: str
+) -> None:
+    """F6: seconds since 1970 ended with a lag that could not be given."""
+    of = synthetic(blocks, 1e4, 0.0)
+    path = tmp_path_factory.getbasetemp() / "stamped.csv"
+    places = [start + Decimal(f"{at:.7f}") for at in of.at]
+    if unit == "iso":
+        stamps = [f"{np.datetime64(int(at), 's')}.{int(at % 1 * 10**7):07d}Z" for at in places]
+    else:
+        stamps = [f"{at * 10 ** {'s': 0, 'ms': 3, 'us': 6, 'ns': 9}[unit]:f}" for at in places]
+    heading = "time,wheel_1 [N]" if unit == "iso" else f"time [{unit}],wheel_1 [N]"
+    path.write_text("\n".join([heading, *map("{},{:.3f}".format, stamps, of.signals["wheel_1"])]))
+    given = {"lag": {"lag": -float(start)}, "origin": {"origin": float(start)}, "": {}}[how]
+    found = compare(blocks, read_measurement(path), Matching(**given))
+    assert float(found.begin - start) == pytest.approx(0.0, abs=1e-6)
+    assert found.lag == pytest.approx(-float(start), abs=1e-6)
+    assert found.begin_utc is not None
+    assert found.begin_utc.startswith(str(np.datetime64(int(found.begin), "s")))
+    with pytest.raises(InputError, match="no lag from"):
+        compare(blocks, read_measurement(path), Matching(lag=-float(start) + 3.0))
+
+
+def test_a_gain_of_another_unit_is_warned_of(blocks: list[SampleBlock]) -> None:
+    of = synthetic(blocks, 1e4, 0.0)
+    other = Measurement(of.source, of.axis, of.at, {"wheel_1": 729.0 * of.signals["wheel_1"]})
+    with pytest.warns(InputWarning, match="gain of wheel_1 is 729, measured over simulated"):
+        compare(blocks, other)
+
+
 def test_what_cannot_be_compared_is_refused(blocks: list[SampleBlock]) -> None:
     at = np.arange(500) * 1e-4
     noise = np.random.default_rng(2).standard_normal(500)
@@ -134,19 +171,20 @@ def test_what_cannot_be_compared_is_refused(blocks: list[SampleBlock]) -> None:
         compare(blocks, synthetic(blocks, 1e4, 0.0), Matching(lag=50.0))
     with pytest.raises(InputError, match="reach = -1"):
         Matching(reach=-1)
-    with pytest.raises(InputError, match="lag = nan"):
+    with pytest.raises(InputError, match="lag = nan is not finite"):
         Matching(lag=float("nan"))
+    with pytest.raises(InputError, match="lag = 1 and origin = 2 say the same"):
+        Matching(lag=1.0, origin=2.0)
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     simulator = Simulator(load_scenario("damage_wheel_1"))
     path = tmp_path_factory.mktemp("bag") / "run.mcap"
-    with RunWriter(path, simulator) as writer:
+    with record(path, simulator) as push:
         for _ in range(3):
             block = simulator.advance(TURN)
-            writer.push(block, summarise(block))
-        writer.finish()
+            push(block, summarise(block))
     return path
 
 
@@ -174,7 +212,7 @@ def test_a_bag_is_a_measurement_too(bag: Path, blocks: list[SampleBlock]) -> Non
     assert {"wheel_1", "wheel_2", "A1", "A1_yy"} <= measured.signals.keys()
     found = compare(blocks, measured)
     assert found.lag == pytest.approx(0.0, abs=1e-8)
-    assert max(abs(each.mean_error) for each in found.measures) < 1e-3 * 98.1e3
+    assert max(abs(each.mean_error) for each in found.agreement) < 1e-3 * 98.1e3
 
 
 def test_a_part_of_a_long_bag_is_enough(bag: Path, blocks: list[SampleBlock]) -> None:

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.twin.measured.measurement import Measurement
-from wheelset_track_sim.twin.measured.resampling import band_limited, evenly, shifted
+from wheelset_track_sim.samples.resampling import band_limited, shifted
+from wheelset_track_sim.twin.measured.measurement import Measurement, evenly
 
 STEPS = np.arange(600.0)
 

@@ -1,9 +1,9 @@
-"""The messages of a bag as they were recorded, of any topic and type, from any time on."""
+"""The messages of a bag in the order of time, of any topic and type, from any time on."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from pathlib import Path
@@ -14,28 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import RecordingError
-from ..files import files_of, missing_files
-from ..losses import Damage
-from ..mcap.records import Chunk
-from ..mcap.source import McapSource
-from .topics import Topic
+from ..bag_reader import BagReader
+from ..mcap.reader import Chunk, McapReader, Span
+from ..topics import Topic
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Recorded(NamedTuple):
-    """A message as it was recorded."""
+class Played(NamedTuple):
+    """A message as it is played."""
 
     time_ns: int
-    """When it was recorded: by this bags are played. In bags of this project it is the stamp."""
+    """When it was recorded, which sets when it is played. In bags of this project it is the stamp."""
     topic: str
     cdr: bytes
+    begins: bool = False
+    """Whether a chunk begins with it."""
 
 
 @dataclass(frozen=True)
-class Chunks:
-    """Where the chunks of a file are, in the order of their first messages."""
+class _Spans:
+    """The chunks of a file in the order of their first messages."""
 
     places: NDArray[np.int64]
     first_ns: NDArray[np.int64]
@@ -47,26 +47,30 @@ class Chunks:
 class RecordedBag:
     """A bag, a file or a folder, opened to be played; a context manager that closes its files.
 
-    Files without an index are gone through once when the bag is opened; what cannot be read there or later is named in
-    ``damages`` and left out.
+    Files without an index are read once when the bag is opened. Unreadable parts are left out and listed in
+    ``damages``.
     """
 
     def __init__(self, path: Path) -> None:
-        """Open it; raises RecordingError in one line if there is nothing to be played."""
+        """Open it; raises RecordingError in one line if there is nothing to play."""
         self.path = path
-        self.damages: list[str] = [str(damage) for damage in missing_files(path)]
+        self.damages: list[str] = []
         self.topics: dict[str, Topic] = {}
-        self._files: list[tuple[McapSource, Chunks]] = []
+        self._reader = BagReader(path, self._damaged)
+        self._reader.report_missing()
+        self._files: list[tuple[McapReader, _Spans]] = []
         with ExitStack() as stack:
-            for file in files_of(path):
-                self._open(file, stack)
-            if not any(len(chunks.places) for _, chunks in self._files):
-                told = f" ({'; '.join(self.damages)})" if self.damages else ""
-                raise RecordingError(f"{path} holds no message that can be read{told}: give a bag of a run")
+            for file in self._reader.files:
+                with self._reporting(file.name):
+                    mcap = stack.enter_context(self._reader.opened(file))
+                    self._files.append((mcap, self._spans(mcap)))
+            if not any(len(spans.places) for _, spans in self._files):
+                found = f" ({'; '.join(self.damages)})" if self.damages else ""
+                raise RecordingError(f"{path} holds no message that can be read{found}: give a bag of a run")
             self._stack = stack.pop_all()
-        self.start_ns = min(int(chunks.first_ns[0]) for _, chunks in self._files if len(chunks.places))
+        self.start_ns = min(int(spans.first_ns[0]) for _, spans in self._files if len(spans.places))
         """Time of the first message, ns."""
-        self.last_ns = max(int(chunks.last_ns.max()) for _, chunks in self._files if len(chunks.places))
+        self.last_ns = max(int(spans.last_ns.max()) for _, spans in self._files if len(spans.places))
         """Time of the last message, ns."""
 
     def __enter__(self) -> Self:
@@ -81,84 +85,71 @@ class RecordedBag:
         """Close its files; closing again does nothing."""
         self._stack.close()
 
-    def messages(self, begin_ns: int, end_ns: int, topics: set[str]) -> Iterator[Recorded]:
+    def messages(self, begin_ns: int, end_ns: int, topics: set[str]) -> Iterator[Played]:
         """Messages of ``topics`` from ``begin_ns`` on and before ``end_ns``, in the order of time within each file."""
-        for source, chunks in self._files:
-            held: list[tuple[int, int, Recorded]] = []
+        for mcap, spans in self._files:
+            held: list[tuple[int, int, Played]] = []
             order = 0
-            for number in np.flatnonzero((chunks.last_ns >= begin_ns) & (chunks.first_ns < end_ns)):
-                while held and held[0][0] < chunks.first_ns[number]:
+            for number in np.flatnonzero((spans.last_ns >= begin_ns) & (spans.first_ns < end_ns)):
+                while held and held[0][0] < spans.first_ns[number]:
                     yield heappop(held)[2]
-                for message in self._read(source, int(chunks.places[number])):
+                for message in self._read(mcap, int(spans.places[number])):
                     if begin_ns <= message.time_ns < end_ns and message.topic in topics:
                         heappush(held, (message.time_ns, order, message))
                         order += 1
             while held:
                 yield heappop(held)[2]
 
-    def last_before(self, topic: str, time_ns: int) -> Recorded | None:
+    def last_before(self, topic: str, time_ns: int) -> Played | None:
         """The last message of a topic before a time, ns; None if there is none."""
-        for source, chunks in reversed(self._files):
-            for number in chunks.holding.get(topic, np.empty(0, np.int64))[::-1]:
-                if chunks.first_ns[number] < time_ns:
-                    found = self._read(source, int(chunks.places[number]))
+        for mcap, spans in reversed(self._files):
+            for number in spans.holding.get(topic, np.empty(0, np.int64))[::-1]:
+                if spans.first_ns[number] < time_ns:
+                    found = self._read(mcap, int(spans.places[number]))
                     earlier = [item for item in found if item.topic == topic and item.time_ns < time_ns]
                     if earlier:
                         return max(earlier, key=lambda item: item.time_ns)
         return None
 
-    def _open(self, file: Path, stack: ExitStack) -> None:
-        try:
-            source = McapSource(stack.enter_context(file.open("rb")), file.name)
-            self._files.append((source, self._chunks(source)))
-        except OSError as reason:
-            self._damaged(f"{file.name}: {reason.strerror}")
+    def _read(self, mcap: McapReader, place: int) -> Sequence[Played]:
+        """Messages of a chunk; none if it cannot be read."""
+        with self._reporting(mcap.name):
+            for chunk in mcap.chunks_at([place]):
+                return _played(mcap, chunk)
+        return ()
 
-    def _read(self, source: McapSource, place: int) -> Sequence[Recorded]:
-        try:
-            [chunk] = source.chunks_at([place])
-        except OSError as reason:
-            chunk = Damage(self.path.name, place, place, str(reason.strerror))
-        if isinstance(chunk, Damage):
-            self._damaged(str(chunk))
-            return ()
-        return self._within(source, chunk)
-
-    def _within(self, source: McapSource, chunk: Chunk) -> list[Recorded]:
-        found: list[Recorded] = []
-        for item in source.messages(chunk):
-            if isinstance(item, Damage):
-                self._damaged(str(item))
-            else:
-                found.append(Recorded(item.log_time, item.channel.topic, bytes(item.data)))
-        return found
-
-    def _chunks(self, source: McapSource) -> Chunks:
-        """Where the chunks of a file are; it tells topics and damages by the way."""
-        spans: list[tuple[int, int, int, set[str]]] = []  # first and last time, place, topics
-        if source.index is not None:
-            names = {number: channel.topic for number, channel in source.channels.items()}
-            for item in source.index.chunks:
-                within = {names[number] for number in item.message_index_offsets if number in names}
-                if within or item.message_end_time:
-                    place = item.chunk_start_offset
-                    spans.append((item.message_start_time, item.message_end_time, place, within or {*names.values()}))
-            source.index.chunks.clear()  # which takes a hundred times the room of ours
+    def _spans(self, mcap: McapReader) -> _Spans:
+        """Where the chunks of a file are; notes its topics on the way."""
+        spans = [*mcap.spans()]
+        if mcap.index is not None:
+            mcap.index.chunks.clear()  # which takes a hundred times the memory of ours
         else:
-            for part in source.scan():
-                if isinstance(part, Damage):
-                    self._damaged(str(part))
-                elif isinstance(part, Chunk) and (found := self._within(source, part)):
+            for part in mcap.scan():
+                if isinstance(part, Chunk) and (found := _played(mcap, part)):
                     times = [message.time_ns for message in found]
-                    spans.append((min(times), max(times), part.place, {message.topic for message in found}))
-        for channel, schema in source.topics():
-            self.topics.setdefault(channel.topic, Topic.of(channel, schema))
-        spans.sort(key=lambda span: span[:3])
-        topics = {channel.topic for channel in source.channels.values()}
-        holding = {name: np.flatnonzero([name in span[3] for span in spans]) for name in topics}
-        first, last, places = np.array([span[:3] for span in spans], np.int64).reshape(-1, 3).T
-        return Chunks(places, first, last, holding)
+                    topics = frozenset(message.topic for message in found)
+                    spans.append(Span(part.place, min(times), max(times), topics))
+        for topic in mcap.topics:
+            self.topics.setdefault(topic.name, topic)
+        spans.sort(key=lambda span: (span.first_ns, span.last_ns, span.place))
+        holding = {topic.name: np.flatnonzero([topic.name in span.topics for span in spans]) for topic in mcap.topics}
+        places, first, last = np.array([span[:3] for span in spans], np.int64).reshape(-1, 3).T
+        return _Spans(places, first, last, holding)
 
-    def _damaged(self, what: str) -> None:
-        if what not in self.damages:
-            self.damages.append(what)
+    @contextmanager
+    def _reporting(self, file: str) -> Iterator[None]:
+        """Report errors of the disk, and of a file that cannot be opened, as damage."""
+        try:
+            yield
+        except RecordingError as reason:
+            self._damaged(reason)
+        except OSError as reason:
+            self._damaged(f"{file}: {reason.strerror}")
+
+    def _damaged(self, what: object) -> None:
+        if str(what) not in self.damages:
+            self.damages.append(str(what))
+
+
+def _played(mcap: McapReader, chunk: Chunk) -> list[Played]:
+    return [Played(item.log_time, item.topic.name, bytes(item.data)) for item in mcap.messages(chunk)]

@@ -18,7 +18,7 @@ HALF = MOST_DIFFERENCES + 4
 """Slots of each kind: products are taken four at a time, over some that are not there yet."""
 
 
-class Differences(NamedTuple):
+class OutOfOrder(NamedTuple):
     """What is worked out about elements out of order; those removed have slots from 0 on, those added from HALF on."""
 
     taken: NDArray[np.int64]
@@ -36,9 +36,9 @@ class Differences(NamedTuple):
 
 
 @block_kernel
-def no_differences(m: int, columns: int) -> Differences:
+def no_differences(m: int, columns: int) -> OutOfOrder:
     """None, of ``m`` elements, with rows of a number of ``columns``."""
-    return Differences(
+    return OutOfOrder(
         taken=np.zeros(2, np.int64),
         slot=np.empty(m, np.int64),
         rows=np.empty((2 * HALF, columns)),
@@ -49,7 +49,7 @@ def no_differences(m: int, columns: int) -> Differences:
 
 
 @block_kernel
-def forget(d: Differences) -> None:
+def forget(d: OutOfOrder) -> None:
     """Take all slots away."""
     d.taken[0], d.taken[1] = 0, HALF
     for c in range(len(d.slot)):
@@ -90,7 +90,7 @@ def take_in(
     factor: Vector,
     inverse: Vector,
     punch: Vector,
-    d: Differences,
+    d: OutOfOrder,
     places: NDArray[np.int64],
     low: int,
     high: int,
@@ -138,7 +138,7 @@ def take_in(
 
 
 @block_kernel
-def triangular_system(d: Differences, places: NDArray[np.int64], Q: Real, pivot: Vector) -> tuple[float, float]:
+def triangular_system(d: OutOfOrder, places: NDArray[np.int64], Q: Real, pivot: Vector) -> tuple[float, float]:
     """Put the system of the elements at ``places`` (k,) into ``Q`` and eliminate, with inverse pivots.
 
     It is filled up to fours with equations of their own, and columns with its right-hand sides follow. Rows stay
@@ -190,7 +190,7 @@ def triangular_system(d: Differences, places: NDArray[np.int64], Q: Real, pivot:
 @block_kernel
 def solve_system(
     factor: Vector,
-    d: Differences,
+    d: OutOfOrder,
     places: NDArray[np.int64],
     Q: Real,
     pivot: Vector,

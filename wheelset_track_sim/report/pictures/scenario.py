@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -10,22 +9,19 @@ from typing import NamedTuple
 from matplotlib.figure import SubFigure
 
 from ...runtime.progress import Progress
-from ...scenario.scenario import WHEELS, Profiles, Scenario
-from ...simulation.models import described
-from ...studies.drawing import new_figure
-from ...wheelset.kinds import reduce_wheelset
+from ...scenario import WHEELS, Profiles, Scenario
+from ...scenario.scenario import WHEELSET
+from ...wheelset.kinds import load_wheelset, reduce_wheelset
 from ...wheelset.section_outline import section_outline
-from ..figures import write_png
-from .profiles import draw_profiles
-from .supports import draw_supports, uneven
-from .surfaces import Surface, draw_along, draw_map, irregular_surfaces
-from .wheelset import draw_wheelset
+from ..figures import new_figure, write_png
+from .structures import draw_profiles, draw_supports, draw_wheelset, uneven
+from .surfaces import SurfaceHeights, draw_along, draw_map, irregular_surfaces
 
 SPACE = 0.1
 """Space below the title and above the note, inches."""
 
 
-class Row(NamedTuple):
+class PictureRow(NamedTuple):
     """A row of the picture."""
 
     height: float
@@ -43,7 +39,7 @@ def show_scenario(scenario: Scenario, path: Path, progress: Progress | None = No
     return write_rows(path, scenario.name, description(scenario), rows_of(scenario, progress))
 
 
-def write_rows(path: Path, title: str, note: str, rows: Sequence[Row]) -> Path:
+def write_rows(path: Path, title: str, note: str, rows: Sequence[PictureRow]) -> Path:
     """Write rows as one picture (PNG); returns its path. Raises InputError for a path that cannot be written."""
     heights = [SPACE, *(row.height for row in rows), SPACE]
     with new_figure(sum(heights), title, note) as figure:
@@ -53,20 +49,20 @@ def write_rows(path: Path, title: str, note: str, rows: Sequence[Row]) -> Path:
         return write_png(figure, path)
 
 
-def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
+def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[PictureRow]:
     """What there is to see of a scenario, from its treads to its wheelset; raises InputError."""
-    wheelset, track, geometry = described(scenario)
+    wheelset, track, geometry = scenario.touched_wheelset, scenario.track, scenario.geometry
     model = reduce_wheelset(wheelset, progress)
     outline = section_outline(wheelset, model)
-    turn = round(2 * math.pi * model.rolling_radius / scenario.step_length)
+    turn = scenario.steps_per_revolution
 
-    def surface_row(surface: Surface) -> Row:
+    def surface_row(surface: SurfaceHeights) -> PictureRow:
         def draw(part: SubFigure) -> None:
             along, around = part.subplots(1, 2, width_ratios=(1.5, 1.0))
             draw_along(along, surface)
             draw_map(around, surface)
 
-        return Row(2.4, draw, special=True)
+        return PictureRow(2.4, draw, special=True)
 
     def profiles(part: SubFigure) -> None:
         # Seen in running direction, wheel 2 is on the left.
@@ -79,15 +75,20 @@ def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Row]:
             draw_supports(axes, track, kind)
 
     rows = [surface_row(surface) for surface in irregular_surfaces(scenario, turn)]
-    rows.append(Row(2.9, profiles, special=scenario.profiles != Profiles()))
+    rows.append(PictureRow(2.9, profiles, special=scenario.profiles != Profiles()))
     if uneven(track):
-        rows.append(Row(2.4, supports, special=True))
-    rows.append(Row(4.2, lambda part: draw_wheelset(part.subplots(), outline), special=scenario.wheelset != "x40"))
+        rows.append(PictureRow(2.4, supports, special=True))
+    rows.append(
+        PictureRow(
+            4.2,
+            lambda part: draw_wheelset(part.subplots(), outline),
+            special=scenario.wheelset != load_wheelset(WHEELSET),
+        )
+    )
     return rows
 
 
 def description(scenario: Scenario) -> str:
     """Wheelset, track, load and speed in a line."""
-    wheelset, track, _ = described(scenario)
     load = f"{scenario.axle_load / 1e3:.1f} kN on both wheels, {3.6 * scenario.speed:.0f} km/h"
-    return f"{wheelset.name} on {track.name}, {load}"
+    return f"{scenario.wheelset.name} on {scenario.track.name}, {load}"

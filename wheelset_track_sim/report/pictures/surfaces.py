@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from ...irregularities import line_steps, rail_heights, tread_heights
 from ...irregularities.surface import RAILS
 from ...runtime.arrays import Real
-from ...scenario.scenario import WHEELS, Scenario
+from ...scenario import WHEELS, Scenario
 from ..figures import COLOURS
 
 HALF_WIDTH = 0.036
@@ -23,7 +23,7 @@ ACROSS = 49
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class SurfaceHeights:
     """Heights of a tread or of a rail over the nominal surface."""
 
     name: str
@@ -37,7 +37,7 @@ class Surface:
     """Circumference of a tread, m."""
 
 
-def irregular_surfaces(scenario: Scenario, steps_per_revolution: int) -> Iterator[Surface]:
+def irregular_surfaces(scenario: Scenario, steps_per_revolution: int) -> Iterator[SurfaceHeights]:
     """Treads and rails with irregularities, in the order wheel 1, wheel 2, rail 1, rail 2; raises InputError."""
     dx, found = scenario.step_length, scenario.irregularities
     y = np.linspace(-HALF_WIDTH, HALF_WIDTH, ACROSS)
@@ -50,10 +50,10 @@ def irregular_surfaces(scenario: Scenario, steps_per_revolution: int) -> Iterato
         else:
             heights = rail_heights(found, name, steps, dx, y).all()
         along = np.arange(len(heights), dtype=np.float64) * dx
-        yield Surface(name, along, y, heights, along[-1] + dx if name in WHEELS else None)
+        yield SurfaceHeights(name, along, y, heights, along[-1] + dx if name in WHEELS else None)
 
 
-def draw_along(axes: Axes, surface: Surface) -> None:
+def draw_along(axes: Axes, surface: SurfaceHeights) -> None:
     """Least and greatest height across, and that of the middle, along the whole surface."""
     unit, scale = _unit(surface)
     heights, position, label = surface.heights, surface.along, f"position along {_title(surface)} (m)"
@@ -73,7 +73,7 @@ def draw_along(axes: Axes, surface: Surface) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
 
 
-def draw_map(axes: Axes, surface: Surface) -> None:
+def draw_map(axes: Axes, surface: SurfaceHeights) -> None:
     """Heights around the place that is farthest from the nominal surface, seen from above."""
     unit, scale = _unit(surface)
     count, dx = len(surface.along), surface.along[1] - surface.along[0]
@@ -109,9 +109,9 @@ def _irregular(position: Real, deviation: Real) -> tuple[float, float]:
     return max(position[0], first - beside), min(position[-1], last + beside)
 
 
-def _title(surface: Surface) -> str:
+def _title(surface: SurfaceHeights) -> str:
     return surface.name.replace("_", " ")
 
 
-def _unit(surface: Surface) -> tuple[str, float]:
+def _unit(surface: SurfaceHeights) -> tuple[str, float]:
     return ("mm", 1e3) if np.abs(surface.heights).max() >= 0.3e-3 else ("µm", 1e6)

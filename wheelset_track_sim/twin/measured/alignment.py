@@ -11,13 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len
-from scipy.optimize import minimize_scalar
 
 from ...errors import InputError
 from ...runtime.arrays import Real
-from .resampling import band_limited, shifted
+from ...samples.resampling import band_limited, shifted
 
 OVERLAP = 0.5
 """Share of the shorter record that both must have."""
@@ -89,7 +88,7 @@ def _coefficients(first: Real, second: Real) -> tuple[NDArray[np.int64], Real]:
     start, end = np.maximum(lags, 0), np.minimum(lags + m, n)
     count = end - start
     total = np.zeros(len(lags))
-    size = next_fast_len(n + m - 1)
+    size = scipy.fft.next_fast_len(n + m - 1)
     for one, other in zip(first.T, second.T, strict=True):
         x, y = _scaled(one), _scaled(other)
         product = np.fft.irfft(np.fft.rfft(x, size) * np.conj(np.fft.rfft(y, size)), size)[lags % size]
@@ -139,7 +138,8 @@ def _between(first: Real, second: Real, lag: float) -> tuple[float, float]:
         ours, theirs = _overlapping(first, second, steps)
         return -float(np.mean([correlation(x, y) for x, y in zip(ours.T, theirs.T, strict=True)]))
 
-    found = minimize_scalar(loss, bounds=(lag - 1 / FINER, lag + 1 / FINER), method="bounded", options={"xatol": 1e-4})
+    bounds = lag - 1 / FINER, lag + 1 / FINER
+    found = scipy.optimize.minimize_scalar(loss, bounds=bounds, method="bounded", options={"xatol": 1e-4})
     return float(found.x), -float(found.fun)
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 
 from ...errors import InputError
 from ...runtime.arrays import Real
+from ...samples.resampling import band_limited
 
 Axis = Literal["time", "position"]
 UNITS: dict[Axis, str] = {"time": "s", "position": "m"}
+WHEELS = ("wheel_1", "wheel_2")
 
 SHORTEST = 16
 """Fewest samples of a measurement."""
@@ -26,6 +31,8 @@ DIGITS = range(-3, 10)
 """Decimal places that are looked for."""
 WHOLE = 0.01
 """How far a number is off a whole one at most: seconds since 1970 have no more digits."""
+WIDEST = 3.0
+"""Steps between two samples of an uneven axis at most: more is a gap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +47,11 @@ class Measurement:
     source: Path
     axis: Axis
     at: Real
-    """(n,) s or m, from any origin, increasing."""
+    """(n,) s or m from ``origin`` on, increasing."""
     signals: Mapping[str, Real]
     """(n,) each."""
+    origin: Decimal = Decimal(0)
+    """What is taken off time stamps that count from far away, exactly: s since 1970, for example."""
 
     def __post_init__(self) -> None:
         if len(self.at) < SHORTEST:
@@ -93,3 +102,44 @@ class Measurement:
             if 10.0**-digits < self.step and np.abs(scaled - np.round(scaled)).max() < WHOLE:
                 return float(10.0**-digits)
         return 0.0
+
+
+class Even(NamedTuple):
+    """Signals at even distances."""
+
+    start: float
+    """s or m"""
+    step: float
+    """s or m"""
+    signals: Real
+    """(n, signals)"""
+
+    def count(self, step: float) -> int:
+        """Samples that it has with another step, s or m, from its first one on."""
+        return math.floor((len(self.signals) - 1) * self.step / step + 1e-9) + 1
+
+    def at(self, places: Real, step: float) -> Real:
+        """Signals at ``places`` (m,), s or m from the first one, in the band of a coarser ``step``: (m, signals)."""
+        return band_limited(self.signals, places / self.step, step / self.step)
+
+
+def evenly(measurement: Measurement, widest: float = WIDEST) -> Even:
+    """A measurement at even distances.
+
+    An uneven axis is evened by a spline of the fifth degree; InputError for one with gaps, which are steps of more than
+    ``widest`` of the usual ones.
+    """
+    at, step = measurement.at, measurement.step
+    signals = np.stack([*measurement.signals.values()], axis=-1)
+    if line := measurement.even_line():
+        return Even(*line, signals)
+    widths = np.diff(at)
+    typical = float(np.median(widths))
+    place = int(widths.argmax())
+    if widths[place] > widest * typical:
+        raise InputError(
+            f"{measurement.source} has a gap of {widths[place]:g} behind {at[place]:g}, "
+            f"{widths[place] / typical:.1f} steps wide: give up to {widest:g} steps, or one file for each part"
+        )
+    spline = scipy.interpolate.make_interp_spline(at, signals, k=5)
+    return Even(float(at[0]), step, spline(at[0] + step * np.arange(len(at))))

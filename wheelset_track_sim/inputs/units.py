@@ -1,0 +1,87 @@
+"""Units that people write in the headings of tables and on the command line."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Literal, NamedTuple
+
+from ..errors import InputError
+
+Dimension = Literal["length", "angle", "time", "force", "stress", "level"]
+
+
+class Unit(NamedTuple):
+    """A unit: what it measures, and its size in SI."""
+
+    dimension: Dimension
+    size: float
+
+
+UNITS: dict[str, Unit] = {
+    "m": Unit("length", 1.0),
+    "mm": Unit("length", 1e-3),
+    "um": Unit("length", 1e-6),
+    "cm": Unit("length", 1e-2),
+    "km": Unit("length", 1e3),
+    "rad": Unit("angle", 1.0),
+    "deg": Unit("angle", math.pi / 180),
+    "s": Unit("time", 1.0),
+    "ms": Unit("time", 1e-3),
+    "us": Unit("time", 1e-6),
+    "ns": Unit("time", 1e-9),
+    "N": Unit("force", 1.0),
+    "kN": Unit("force", 1e3),
+    "Pa": Unit("stress", 1.0),
+    "kPa": Unit("stress", 1e3),
+    "MPa": Unit("stress", 1e6),
+    "GPa": Unit("stress", 1e9),
+    "dB": Unit("level", 1.0),
+}
+ALIASES = {
+    "°": "deg",
+    "degree": "deg",
+    "degrees": "deg",
+    "sec": "s",
+    "n/mm2": "MPa",
+    "n/mm^2": "MPa",
+    "n/mm²": "MPa",
+    "micron": "um",
+    "microns": "um",
+    "mikrometer": "um",
+    "db re 1 um": "dB",
+    "db re 1um": "dB",
+    "db re 1 micron": "dB",
+}
+"""Other spellings, in small letters with ``u`` for the Greek letter of micro."""
+
+
+def unit_named(text: str) -> str:
+    """Name of the unit that ``text`` spells, as in ``UNITS``; empty if it spells none."""
+    plain = text.strip().replace("\u00b5", "u").replace("\u03bc", "u")
+    if plain in UNITS:
+        return plain
+    small = plain.lower()
+    if small in ALIASES:
+        return ALIASES[small]
+    alike = [name for name in UNITS if name.lower() == small]
+    return alike[0] if len(alike) == 1 else ""
+
+
+def names_of(dimension: Dimension) -> list[str]:
+    """Names of the units of a dimension."""
+    return [name for name, unit in UNITS.items() if unit.dimension == dimension]
+
+
+def value_of(text: str, dimension: Dimension, what: str) -> float:
+    """Value in SI of a number with or without unit, such as ``98.1 kN``; without, it is in SI.
+
+    Raises InputError, which begins with ``what``, for anything else.
+    """
+    found = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", text)
+    unit = unit_named(found[2]) if found and found[2] else ""
+    if not found or (found[2] and (not unit or UNITS[unit].dimension != dimension)):
+        raise InputError(
+            f"{what} {text!r} is not a {dimension}: give a number with one of {', '.join(names_of(dimension))}"
+        )
+    return float(found[1]) * (UNITS[unit].size if unit else 1.0)

@@ -1,0 +1,136 @@
+"""Scenarios from files and mappings, with ``dotted.key=value`` changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..contact.named_profiles import with_points
+from ..errors import InputError
+from ..inputs.schema import read
+from ..inputs.shipped import MAX_DEPTH, load_yaml
+from ..inputs.yaml12 import parse
+from .scenario import TRACK, WHEELSET, Scenario
+
+MODELS = {"wheelset": WHEELSET, "track": TRACK}
+"""Keys that name a model, with the model of a scenario that names none."""
+PROFILES = ("wheel_1", "wheel_2", "rail_1", "rail_2")
+"""Keys of ``profiles`` that name lateral profiles."""
+
+
+def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+    """Load a scenario.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a shipped scenario, such as ``damage_wheel_1``, or path of a YAML file. Files that it names are found
+        beside it, too.
+    overrides
+        Changes ``dotted.key=value``, such as ``speed=30`` or ``irregularities.0.h=0.001``; list indices count from 0.
+
+    Returns
+    -------
+    Scenario
+        Typed and checked whole. The content of files is part of it: it needs none of them any more.
+
+    Raises
+    ------
+    InputError
+        In one line with the dotted key, for anything that cannot be used.
+
+    Examples
+    --------
+    >>> load_scenario("damage_wheel_1", ["speed=30", "track.pad.stiffness=9e7"]).track.pad.stiffness
+    90000000.0
+    """
+    data = load_yaml("scenarios", name_or_path)
+    if not isinstance(data, dict):
+        raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
+    if Path(name_or_path).is_file():
+        _find_beside(data, Path(name_or_path).parent)
+    for change in overrides:
+        override(data, change)
+    take_in(data)
+    return scenario_from(data)
+
+
+def scenario_from(data: Mapping[str, Any]) -> Scenario:
+    """Scenario from a plain mapping, in which models are names of shipped ones or mappings; raises InputError."""
+    return read(Scenario, data, "")
+
+
+def take_in(data: dict[str, Any]) -> None:
+    """Put the content of files that people name in the place of their names; raises InputError."""
+    for key in MODELS:
+        _take_in_model(data, key, f"{key}s")
+    profiles = data.get("profiles")
+    if isinstance(profiles, dict):
+        for surface in filter(profiles.__contains__, PROFILES):
+            profiles[surface] = with_points(surface.partition("_")[0], profiles[surface], f"profiles.{surface}")
+
+
+def override(data: dict[str, Any], change: str) -> None:
+    """Set one entry of nested mappings and lists by ``dotted.key=value``; the value is read as YAML."""
+    key, equals, text = change.partition("=")
+    key = key.strip()
+    if not equals or not key:
+        raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
+    assign(data, key, parse(text, f"the value of --set {key}"), "--set ")
+
+
+def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
+    """Set one entry of a scenario's plain mapping by its dotted key; messages begin with ``where`` and the key.
+
+    A key within a track or wheelset that is a name, or left out, makes the content of that model part of the scenario.
+    """
+    model, dot, _ = key.partition(".")
+    if dot and model in MODELS and isinstance(data.setdefault(model, MODELS[model]), str):
+        data[model] = load_yaml(f"{model}s", data[model])
+    *path, last = key.split(".")
+    place: Any = data
+    for depth, part in enumerate(path):
+        place = _entry(place, part, where + ".".join(path[: depth + 1]))
+    if isinstance(place, list):
+        place[_index(place, last, where + key)] = value
+    elif isinstance(place, dict):
+        place[last] = value
+    else:
+        raise InputError(f"{where}{key}: {'.'.join(path)} has no entries")
+
+
+def _find_beside(data: dict[str, Any], folder: Path) -> None:
+    """Give the files that a scenario names, and that are beside it, by their path from here."""
+    places: list[tuple[Any, str]] = [(data, "wheelset"), (data, "track"), (data.get("track"), "base")]
+    profiles, irregularities = data.get("profiles"), data.get("irregularities")
+    for surface, profile in profiles.items() if isinstance(profiles, dict) else ():
+        places += [(profiles, surface), (profile, "file")]
+    places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
+    for place, key in places:
+        name = place.get(key) if isinstance(place, dict) else None
+        if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
+            place[key] = str(folder / name)
+
+
+def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
+    """Put the content of a model's file in the place of its name, and that of the files that it is based on."""
+    name = place.get(key) if isinstance(place, dict) else None
+    if isinstance(name, str) and Path(name).suffix in (".yaml", ".yml", ".npz"):
+        place[key] = load_yaml(kind, name)
+    if isinstance(place, dict) and depth < MAX_DEPTH:
+        _take_in_model(place.get(key), "base", kind, depth + 1)
+
+
+def _entry(place: Any, part: str, where: str) -> Any:
+    if isinstance(place, list):
+        return place[_index(place, part, where)]
+    if isinstance(place, dict):
+        return place.setdefault(part, {})
+    raise InputError(f"{where}: there is nothing to set there")
+
+
+def _index(place: list[Any], part: str, where: str) -> int:
+    if not part.isdigit() or int(part) >= len(place):
+        raise InputError(f"{where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)")
+    return int(part)

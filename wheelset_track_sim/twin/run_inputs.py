@@ -1,0 +1,108 @@
+"""The inputs of a recorded run, from everything that its bag holds: as they were, or with settings of another run."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ..bags import Bag
+from ..bags.run_info import Input, in_order
+from ..errors import InputError, RecordingError
+from ..inputs.yaml12 import parse
+from ..scenario import Scenario, override, scenario_from
+from ..scenario.values import values_of, with_values
+from ..simulation.speed import Stretch
+
+FIXED = ("name", "step_length")
+"""Keys that must stay, so that both runs have samples at the same places."""
+
+
+class RecordedChange(NamedTuple):
+    """A change that had come into force; the first of a run is its start."""
+
+    revision: int
+    step: int
+    scenario: Scenario
+
+
+@dataclass(frozen=True)
+class RunInputs:
+    """Everything needed to simulate a run again."""
+
+    changes: tuple[RecordedChange, ...]
+    start: Stretch | None
+    """None if the run can be simulated from step 0 on. Otherwise earlier inputs are unknown, and this is the first
+    known step: a simulation begins there in steady running, unlike the recorded run."""
+
+
+def run_inputs(bag: Bag) -> RunInputs:
+    """Inputs of the run in a bag; RecordingError if the bag does not hold them, or they cannot be read."""
+    states = bag.states
+    inputs = in_order(
+        [*bag.info.inputs, *(Input(state.revision, state.first_step, state.scenario) for state in states)]
+    )
+    if not inputs:
+        raise RecordingError(f"{bag.path} does not say what was simulated: record it with its state topic")
+    start = None
+    if inputs[0].revision > 0:
+        if not states:
+            raise RecordingError(
+                f"{bag.path} says neither how its run began nor how it went on: record it with its state"
+            )
+        first = states[0]
+        inputs = tuple(found for found in inputs if found.revision >= first.revision)
+        start = Stretch(first.first_step, first.time, first.speed, first.speed_set_point)
+    return RunInputs(tuple(_change(bag, found) for found in inputs), start)
+
+
+def with_settings(scenarios: Sequence[Scenario], settings: Sequence[str]) -> list[Scenario]:
+    """Scenarios of a run with ``key=value`` set in each of them, so that it holds throughout the run.
+
+    A key is that of a scenario (``irregularities.0.h``, ``track.pad.stiffness``) or the name of a parameter of the node
+    (``wheel_1.damage.h``). An irregularity is set in each scenario that has so many. A ``speed`` ends the speed plan.
+    Raises InputError for a setting that cannot be made, or that no scenario has.
+    """
+    for setting in settings:
+        key = setting.partition("=")[0]
+        places = [number for number, scenario in enumerate(scenarios) if _has(scenario, key)]
+        if not places:
+            most = max(len(scenario.irregularities) for scenario in scenarios)
+            raise InputError(
+                f"--set {key}: the run has {most} irregularities at most, 0 is the first: give one of them"
+            )
+        scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
+    return [*scenarios]
+
+
+def _change(bag: Bag, of: Input) -> RecordedChange:
+    try:
+        data = parse(of.scenario, "it")
+        if bag.info.versions.get("wheelset_track_sim", "").startswith("0.1."):
+            data = {"settle_on": "smooth"} | data  # as every run of that version did
+        return RecordedChange(of.revision, of.step, scenario_from(data))
+    except InputError as refusal:
+        raise RecordingError(
+            f"{bag.path}: scenario of revision {of.revision} cannot be used here ({refusal})"
+        ) from None
+
+
+def _has(scenario: Scenario, key: str) -> bool:
+    name, _, rest = key.partition(".")
+    index = rest.partition(".")[0]
+    return name != "irregularities" or not index.isdigit() or int(index) < len(scenario.irregularities)
+
+
+def _with(scenario: Scenario, setting: str) -> Scenario:
+    key, equals, text = setting.partition("=")
+    if key in FIXED:
+        raise InputError(f"--set {key}: {key} cannot be set for a recorded run: start a new one with run")
+    if equals and key in values_of(scenario):
+        value: Any = parse(text, f"the value of --set {key}")
+        if key == "speed":
+            scenario = dataclasses.replace(scenario, speed_plan=())
+        return with_values(scenario, values_of(scenario) | {key: value})
+    data = scenario.to_mapping()
+    override(data, setting)
+    return scenario_from(data)
