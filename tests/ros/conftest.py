@@ -97,11 +97,11 @@ def end(process):
     """Orderly, for a process that is killed leaves shared memory of the middleware behind."""
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
-        try:
-            process.communicate(timeout=PROMPT)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
+    try:
+        process.communicate(timeout=PROMPT)  # closes its pipes, also of one that has ended
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
 
 
 class Client:
@@ -250,11 +250,11 @@ def make_client(domain, running, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     with ExitStack() as stack:
 
-        def make(name="client"):
+        def make(name="client", **options):
             context = rclpy.Context()
             rclpy.init(context=context, domain_id=domain)
             stack.callback(context.shutdown)
-            node = rclpy.create_node(name, context=context)
+            node = rclpy.create_node(name, context=context, **options)
             stack.callback(node.destroy_node)
             executor = SingleThreadedExecutor(context=context)
             stack.callback(executor.shutdown)

@@ -71,7 +71,7 @@ def test_impacts_are_those_of_the_forces_on_the_wire_and_in_the_bag(start, clien
     client.until(lambda: forces and summaries)
     enough = max(forces[0].first_step, summaries[0].first_step) + 8 * TURN
     client.until(lambda: forces[-1].first_step > enough and summaries[-1].first_step > enough)
-    client.until(lambda: impacts[-1].step > enough - TURN)
+    client.until(lambda: impacts and impacts[-1].step > enough - TURN)
     assert node.signal(signal.SIGINT) == 0, node.errors
     first = forces[0].first_step
     force = np.concatenate([chunk.wheel_1 for chunk in forces])

@@ -69,8 +69,7 @@ def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_clie
     listener = Subscriber(make_client("listener"), tmp_path / "live")
     replay = play(tmp_path / "live", "--start-paused")
     listener.connect()
-    assert client.trigger("resume").success
-    assert listener.hears_to_the_end(stored) == stored
+    assert listener.play_to_the_end(stored) == stored
     assert replay.wait() == 0, replay.errors
     client.until(lambda: len(forces) > len(live) and forces[-1].first_step >= live[-1].first_step)
     again = forces[len(live) :]  # by the same subscription
@@ -223,13 +222,14 @@ def test_under_another_name(play, client, bag):
     remapping = ["-r", "__ns:=/train", "-r", "__node:=w1", "-r", "/train/w1/summary:=/elsewhere"]
     play(bag, "--start-paused", "--prefix", "~", "--rate", 0, "--ros-args", *remapping)
     listener.connect()
-    assert client.set(rate=4.0).successful
-    own = [name for name, _ in client.node.get_publisher_names_and_types_by_node("w1", "/train")]
-    assert {"/elsewhere", "/train/w1/contact_forces"} < {*own}
-    assert not [name for name in own if name.startswith(NODE)]
-    assert client.trigger("resume").success
+
+    def own():
+        return {name for name, _ in client.node.get_publisher_names_and_types_by_node("w1", "/train")}
+
+    client.until(lambda: {"/elsewhere", "/train/w1/contact_forces"} < own())  # endpoints are heard of one by one
+    assert not [name for name in own() if name.startswith(NODE)]
     stored = by_topic(recorded(bag))
-    assert listener.hears_to_the_end(stored) == stored
+    assert listener.play_to_the_end(stored) == stored
 
 
 def test_waits_for_the_clock_and_follows_it(play, client, bag):

@@ -5,6 +5,7 @@ import threading
 import time
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
@@ -60,6 +61,15 @@ class OuterClock:
         for _ in range(5):  # to a subscriber that takes what comes, or not
             self.tell()
             time.sleep(TICK)
+
+
+def settled(read):
+    """A reading that stays what it is: what was on its way when the time stood still has come."""
+    while True:
+        found = read()
+        time.sleep(STANDS)
+        if read() == found:
+            return found
 
 
 def stands(client, clock, chunks):
@@ -123,11 +133,11 @@ def test_half_of_an_outer_clock(start, client, summaries):
     clock.tell()
     while not summaries:
         clock.go(0.1, rate=1.0)
-    began, simulated = clock.now, last_stamp(summaries[-1])
+    began, simulated = clock.now, settled(lambda: last_stamp(summaries[-1]))
     clock.go(4.0, rate=4.0)
     client.until(lambda: last_stamp(summaries[-1]) > simulated + 2.0 - CHUNK - 0.001)
-    time.sleep(STANDS)
-    assert last_stamp(summaries[-1]) - simulated <= 0.5 * (clock.now - began) + CHUNK + MOMENT
+    passed = settled(lambda: last_stamp(summaries[-1])) - simulated
+    assert passed <= 0.5 * (clock.now - began) + CHUNK + MOMENT
     assert client.set(real_time_factor=0.0).successful
     count = len(summaries)
     client.until(lambda: len(summaries) > count + 100)
@@ -137,19 +147,13 @@ def test_half_of_an_outer_clock(start, client, summaries):
 class Follower:
     """A node with ``use_sim_time`` and what it hears on ``/clock``."""
 
-    def __init__(self, client):
-        import rclpy
+    def __init__(self, make_client):
         from rclpy.parameter import Parameter
         from rosgraph_msgs.msg import Clock
 
-        self.node = rclpy.create_node(
-            "follower",
-            context=client.node.context,
-            parameter_overrides=[Parameter("use_sim_time", value=True)],
-        )
+        self.node = make_client("follower", parameter_overrides=[Parameter("use_sim_time", value=True)]).node
         self.heard = []
         self.node.create_subscription(Clock, "/clock", lambda message: self.heard.append(seconds(message.clock)), 500)
-        client.node.executor.add_node(self.node)
 
     @property
     def now(self):
@@ -157,11 +161,8 @@ class Follower:
 
 
 @pytest.fixture
-def follower(client):
-    follower = Follower(client)
-    yield follower
-    client.node.executor.remove_node(follower.node)
-    follower.node.destroy_node()
+def follower(make_client):
+    return Follower(make_client)
 
 
 def test_others_follow_the_clock_of_the_node(start, client, summaries, follower):
@@ -169,19 +170,19 @@ def test_others_follow_the_clock_of_the_node(start, client, summaries, follower)
     start(scenario="undamaged", publish_clock="true", real_time_factor=5.0)
     client.until(lambda: len(summaries) > 60 and len(follower.heard) > 60)
     assert client.transition("deactivate")
-    client.until(lambda: follower.heard[-1] == pytest.approx(last_stamp(summaries[-1]), abs=MOMENT))
-    stood = follower.now
-    assert stood == pytest.approx(last_stamp(summaries[-1]), abs=MOMENT)
+    stood = settled(lambda: last_stamp(summaries[-1]))
+    client.until(lambda: follower.heard[-1] == pytest.approx(stood, abs=MOMENT, rel=0))
+    client.until(lambda: follower.now == pytest.approx(stood, abs=MOMENT, rel=0))
+    assert settled(lambda: follower.now) == pytest.approx(stood, abs=MOMENT, rel=0)
     assert stood > before + 60 * CHUNK
-    time.sleep(STANDS)
-    assert follower.now == stood
     assert client.transition("activate")
     client.until(lambda: follower.now > stood + 1.0)
-    assert all(after > before for before, after in pairwise(follower.heard))
-    ends = [last_stamp(chunk) for chunk in summaries]
-    told = [now for now in follower.heard if now <= ends[-1] and now >= ends[0] - MOMENT]
-    for now, end in zip(told, ends[-len(told) :], strict=False):  # one a chunk, when it is over
-        assert now == pytest.approx(end, abs=MOMENT)
+    heard, ends = [*follower.heard], [last_stamp(chunk) for chunk in summaries]
+    assert all(after > before for before, after in pairwise(heard))
+    # A tick comes when a chunk is over; a queue of one tick may lose some, and either may have been heard earlier.
+    told = [now for now in heard if ends[0] - MOMENT <= now <= ends[-1] + MOMENT]
+    assert len(told) > 60
+    assert np.abs(np.subtract.outer(told, ends)).min(axis=1).max() <= MOMENT
 
 
 def test_two_that_tell_the_time_are_warned_of(start, client, summaries):
