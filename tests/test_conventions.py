@@ -39,7 +39,7 @@ PATTERNS = {
     "maintainer": r".+",
     "license": r"Apache-2\.0",
 }
-with (ROOT / "tests" / "rosdep_keys.csv").open() as file:
+with (ROOT / "tests" / "data" / "rosdep_keys.csv").open() as file:
     KEYS = {row["key"]: row for row in csv.DictReader(line for line in file if not line.startswith("#"))}
 """What rosdep installs for each key, as it was looked up in rosdistro."""
 UNITS = r"(N|Pa|m|s|rad|m/s|m/s\^2)"

@@ -57,6 +57,18 @@ def test_versions_and_licences_agree():
     assert (ROOT / "resource" / manifest(ROOT).findtext("name")).exists()
 
 
+def test_the_newest_release_in_the_changelog_is_this_version():
+    headings = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+    releases = [heading for heading in headings if heading != "Unreleased"]
+    assert headings[-len(releases) :] == releases, "what is not released is on top"
+    assert re.fullmatch(rf"{re.escape(wheelset_track_sim.__version__)} \(\d{{4}}-\d\d-\d\d\)", releases[0])
+    tag = f"v{wheelset_track_sim.__version__}"
+    assert run(".ci/release-notes", tag, cwd=ROOT).stdout.strip()
+    refused = run(".ci/release-notes", "v9.9.9", cwd=ROOT, ok=False)
+    assert (refused.returncode, refused.stdout) == (1, "")
+    assert refused.stderr == f"release-notes: the tag is v9.9.9, the version is {tag[1:]}: tag {tag}\n"
+
+
 def test_pythons_are_the_same_everywhere():
     supported = set(re.findall(r"\((\d), (\d+)\)", re.search(r"^SUPPORTED = .*$", SETUP, re.MULTILINE)[0]))
     versions = {".".join(pair) for pair in supported}

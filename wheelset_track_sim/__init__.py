@@ -1,5 +1,13 @@
 """Wheel-rail impact loads and axle stresses of a wheelset with damaged treads on a railway track.
 
+    import wheelset_track_sim as wts
+
+    simulator = wts.Simulator(wts.load_scenario("damage_wheel_1", ["speed=30"]))
+    block = simulator.advance(2713)      # one turn of the wheel
+    block.forces.max(axis=0)             # N, of wheel 1 and wheel 2
+
+The names in ``__all__`` are the way in for the common jobs; ``docs/api.md`` describes them.
+
 Conventions, once for the whole package (``docs/conventions.md`` explains them):
 
 * SI units and radians everywhere; only text for people shows kN, MPa, km/h and mm.
@@ -15,6 +23,84 @@ bending stress simulated for generic distributions and shapes of discrete wheel 
 numbers in docstrings are the paper's.
 """
 
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from .version import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from .bags import Recording, read_bag
+    from .dynamics.moving_green_functions import moving_green_functions
+    from .dynamics.responses import green_function, receptance
+    from .errors import InputError, WheelsetTrackError
+    from .live.run_messages import record
+    from .samples.block import SampleBlock
+    from .scenario import Scenario, load_scenario
+    from .simulation.fleet import Fleet
+    from .simulation.simulator import Simulator
+    from .studies import Study, load_study, run_study
+    from .track.track import load_track
+    from .twin import Resimulation, resimulate
+    from .wheelset.kinds import load_wheelset
+
+_PLACES = {
+    "Fleet": "simulation.fleet",
+    "InputError": "errors",
+    "Recording": "bags",
+    "Resimulation": "twin",
+    "SampleBlock": "samples.block",
+    "Scenario": "scenario",
+    "Simulator": "simulation.simulator",
+    "Study": "studies",
+    "WheelsetTrackError": "errors",
+    "green_function": "dynamics.responses",
+    "load_scenario": "scenario",
+    "load_study": "studies",
+    "load_track": "track.track",
+    "load_wheelset": "wheelset.kinds",
+    "moving_green_functions": "dynamics.moving_green_functions",
+    "read_bag": "bags",
+    "receptance": "dynamics.responses",
+    "record": "live.run_messages",
+    "resimulate": "twin",
+    "run_study": "studies",
+}
+
+__all__ = [
+    "Fleet",
+    "InputError",
+    "Recording",
+    "Resimulation",
+    "SampleBlock",
+    "Scenario",
+    "Simulator",
+    "Study",
+    "WheelsetTrackError",
+    "__version__",
+    "green_function",
+    "load_scenario",
+    "load_study",
+    "load_track",
+    "load_wheelset",
+    "moving_green_functions",
+    "read_bag",
+    "receptance",
+    "record",
+    "resimulate",
+    "run_study",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name of the front door when it is first used: the package itself is imported in milliseconds."""
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_PLACES[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from wheelset_track_sim.bags import BagWriter, RecordSettings, State, read
+from wheelset_track_sim.bags import BagWriter, RecordSettings, State, read_bag
 from wheelset_track_sim.bags.bag import Bag
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.yaml12 import parse
@@ -53,13 +53,13 @@ def test_files_end_before_they_are_too_large(record):
     sizes = [file.stat().st_size for file in files]
     assert max(sizes) <= 2_000_000
     assert min(sizes[:-1]) > 1_200_000  # two chunks of the file, uncompressed, are left free at most
-    np.testing.assert_array_equal(read(path).steps, np.arange(60 * SAMPLES))
+    np.testing.assert_array_equal(read_bag(path).steps, np.arange(60 * SAMPLES))
 
 
 @pytest.mark.parametrize("first", [0, 1000])
 def test_files_are_as_long_as_asked_for(record, first):
     path = record(50, first, max_duration=1.0)
-    recordings = [read(file) for file in files_of(path)]
+    recordings = [read_bag(file) for file in files_of(path)]
     assert [len(part) for part in recordings] == [20 * SAMPLES, 20 * SAMPLES, 10 * SAMPLES]
 
 
@@ -73,7 +73,7 @@ def test_each_file_begins_with_the_state_in_force(record, make_block, make_state
         info = Bag(file).info
         assert dataclasses.replace(info, inputs=()) == run_info
         assert [item.revision for item in info.inputs] == [*range(before)]  # all that went in up to there
-    assert [state.first_step // SAMPLES for state in read(path).states] == [0, 7, 20, 33, 40]
+    assert [state.first_step // SAMPLES for state in read_bag(path).states] == [0, 7, 20, 33, 40]
 
 
 def test_the_oldest_files_go_first_and_the_metadata_stay_true(record):
@@ -96,19 +96,21 @@ def test_the_oldest_files_go_first_and_the_metadata_stay_true(record):
     topics = {topic["topic_metadata"]["name"]: topic["message_count"] for topic in told["topics_with_message_count"]}
     assert topics == counts
     assert told["message_count"] == sum(counts.values())
-    assert told["starting_time"]["nanoseconds_since_epoch"] == read(path).start_ns + round(read(path).time[0] * 1e9)
-    kept = read(path)
+    assert told["starting_time"]["nanoseconds_since_epoch"] == read_bag(path).start_ns + round(
+        read_bag(path).time[0] * 1e9
+    )
+    kept = read_bag(path)
     np.testing.assert_array_equal(kept.steps, np.arange(kept.steps[0], 200 * SAMPLES))
     assert kept.states[0].first_step == kept.steps[0] > 0
     for file in files:
-        part = read(file)
+        part = read_bag(file)
         assert part.states[0].first_step == part.steps[0]
 
 
 def test_a_bound_on_all_is_enough(record):
     path = record(150, max_total_size=10_000_000)
     assert len(files_of(path)) >= 4
-    assert read(path).steps[-1] == 150 * SAMPLES - 1
+    assert read_bag(path).steps[-1] == 150 * SAMPLES - 1
 
 
 def test_a_single_file_has_no_bounds(tmp_path, run_info):
@@ -140,7 +142,7 @@ def test_a_gap_begins_another_file_that_says_why(tmp_path, run_info, make_block,
         bag.write(given[0])
         bag.gap("steps 1389 to 6944 are lost")
         bag.write(given[1])
-    before, after = (read(file) for file in files_of(tmp_path / "run"))
+    before, after = (read_bag(file) for file in files_of(tmp_path / "run"))
     assert (before.steps[-1], after.steps[0]) == (SAMPLES - 1, 5 * SAMPLES)
     assert after.states == (dataclasses.replace(make_state(given[1]), message="steps 1389 to 6944 are lost"),)
 

@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import BagWriter, read
+from wheelset_track_sim.bags import BagWriter, read_bag
 from wheelset_track_sim.bags.buffered import RESERVE, BufferedWriter
 from wheelset_track_sim.bags.messages import chunk_messages, state_message
 from wheelset_track_sim.errors import InputError, RecordingError
@@ -93,7 +93,7 @@ def test_all_is_written_in_its_order(begin, chunk, state, told, tmp_path):
     buffered.put(chunk(11))  # too late
     with pytest.raises(InputError, match="is not being recorded any more"):
         buffered.split().result(PATIENCE)
-    np.testing.assert_array_equal(read(tmp_path / "run").steps, np.arange(11 * SAMPLES))
+    np.testing.assert_array_equal(read_bag(tmp_path / "run").steps, np.arange(11 * SAMPLES))
     assert told == []
     assert buffered.waiting == 0
 
@@ -108,7 +108,7 @@ def test_a_disk_that_stands_for_a_while_costs_nothing(begin, chunk, told, tmp_pa
     disk.take()
     buffered.close().result(PATIENCE)
     assert told == []
-    np.testing.assert_array_equal(read(disk.file()).steps, np.arange(40 * SAMPLES))
+    np.testing.assert_array_equal(read_bag(disk.file()).steps, np.arange(40 * SAMPLES))
 
 
 def test_beyond_the_bound_samples_are_lost_and_told_by_step(begin, chunk, state, told, tmp_path):
@@ -138,10 +138,10 @@ def test_beyond_the_bound_samples_are_lost_and_told_by_step(begin, chunk, state,
     missing = f"{tmp_path / 'run'} misses steps {first} to {40 * SAMPLES - 1}: the disk is too slow, 4e+06 bytes"
     assert len(told) == 2
     assert told[1][0].startswith(missing)
-    before = read(disk.file())
+    before = read_bag(disk.file())
     np.testing.assert_array_equal(before.steps, np.arange(first))  # all up to the gap
     assert [found.revision for found in before.states] == [0, 1]
-    after = read(tmp_path / "run" / "run_1.mcap")
+    after = read_bag(tmp_path / "run" / "run_1.mcap")
     np.testing.assert_array_equal(after.steps, np.arange(40 * SAMPLES, 50 * SAMPLES))
     assert after.states[0].message.startswith(missing)
     assert (after.states[0].first_step, after.states[0].revision) == (40 * SAMPLES, 1)
@@ -169,9 +169,10 @@ def test_who_is_patient_loses_nothing(begin, chunk, told, tmp_path):
         assert buffered.waiting <= 1_000_000
     buffered.close().result(PATIENCE)
     assert told == []
-    np.testing.assert_array_equal(read(disk.file()).steps, np.arange(40 * SAMPLES))
+    np.testing.assert_array_equal(read_bag(disk.file()).steps, np.arange(40 * SAMPLES))
 
 
+@pytest.mark.slow
 def test_changes_without_end_before_a_disk_that_stands_end_the_recording(begin, chunk, state, told, tmp_path):
     bag, buffered = begin(1_000_000)
     disk = SlowDisk(bag)
@@ -185,7 +186,7 @@ def test_changes_without_end_before_a_disk_that_stands_end_the_recording(begin, 
     assert number > 500
     assert told[-1][0].endswith("ends here: the disk does not respond, and there is no room for changes")
     disk.take()
-    assert len(read(disk.file())) >= 3 * SAMPLES
+    assert len(read_bag(disk.file())) >= 3 * SAMPLES
 
 
 @pytest.mark.parametrize("gone", ["file", "folder"])
@@ -209,7 +210,7 @@ def test_a_bag_that_is_removed_ends_the_recording(begin, chunk, told, tmp_path, 
     _, again = begin(name="again")
     again.put(chunk(4))
     again.close().result(PATIENCE)
-    assert len(read(tmp_path / "again")) == SAMPLES
+    assert len(read_bag(tmp_path / "again")) == SAMPLES
 
 
 def test_what_nobody_wants_leaves_nothing(begin, tmp_path):

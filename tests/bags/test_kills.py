@@ -15,7 +15,7 @@ from rosbags.highlevel import AnyReader
 
 from support.paths import ROOT
 from support.plain_scan import LARGEST_LOSS, Scan
-from wheelset_track_sim.bags import Damage, read
+from wheelset_track_sim.bags import Damage, read_bag
 from wheelset_track_sim.bags.recover import recover
 from wheelset_track_sim.errors import RecordingError
 from wheelset_track_sim.scenario import load_scenario
@@ -54,7 +54,7 @@ def assert_recovered(path, out, undisturbed):
             recover(path, out)
         return
     found = recover(path, out)
-    recording = read(out)
+    recording = read_bag(out)
     np.testing.assert_array_equal(recording.steps, steps)
     assert recording.forces.tobytes() == undisturbed.forces[steps].tobytes()
     assert recording.stresses.tobytes() == undisturbed.stresses[steps].tobytes()

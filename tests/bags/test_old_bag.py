@@ -10,7 +10,7 @@ import pytest
 
 from support.paths import OLD_BAG
 from support.replaying import padded, recorded
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.overview import ChangedKey, overview
 from wheelset_track_sim.bags.playback.recorded_bag import RecordedBag
 from wheelset_track_sim.bags.playback.selection import Selection
@@ -31,7 +31,7 @@ SOFTWARE = {"wheelset_track_sim", "sources", "wheelset", "track"}
 
 
 def test_it_is_read_bit_by_bit():
-    run = read(OLD_BAG)
+    run = read_bag(OLD_BAG)
     assert {name: hashlib.sha256(getattr(run, name).tobytes()).hexdigest()[:16] for name in DIGESTS} == DIGESTS
     assert run.info.versions["wheelset_track_sim"] == "0.1.0"
     assert [(state.revision, state.first_step) for state in run.states] == [(0, 0), (1, 1389), (2, 1389)]

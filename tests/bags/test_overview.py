@@ -3,7 +3,7 @@ import json
 
 import pytest
 
-from wheelset_track_sim.bags import BagWriter, read
+from wheelset_track_sim.bags import BagWriter, read_bag
 from wheelset_track_sim.bags.bag_file import BagFile
 from wheelset_track_sim.bags.mcap.reader import Chunk, McapReader
 from wheelset_track_sim.bags.overview import ChangedKey, changed_keys, overview, revisions_of
@@ -45,7 +45,7 @@ def bag(tmp_path, run_info, run_blocks, make_state):
 
 
 def test_it_is_what_the_samples_say(bag, run_info):
-    found, recording = overview(bag), read(bag)
+    found, recording = overview(bag), read_bag(bag)
     assert (found.first_step, found.steps, found.start) == (0, len(recording), 0.0)
     assert found.duration == pytest.approx(recording.time[-1] + recording.step_period[-1], rel=1e-12)
     assert found.start_ns == recording.start_ns
@@ -106,7 +106,7 @@ def test_another_run_does_not_count_and_is_told(bag, tmp_path, summaries):
     assert (found.steps, found.first_step) == (1390, 0)
     assert [str(loss) for loss in found.losses] == [again]
     losses = []
-    assert len(read(path, lost=losses.append)) == 1390
+    assert len(read_bag(path, lost=losses.append)) == 1390
     assert [str(loss) for loss in losses] == [again]
 
 
@@ -122,11 +122,11 @@ def test_a_bag_of_two_wheelsets_is_refused(tmp_path, run_info, run_blocks, make_
     both = copied(tmp_path / "both.mcap", sorted(messages, key=lambda message: message.log_time))
     refusal = r"both.mcap holds 2 runs \(/wheelset_1/contact_forces, /wheelset_2/contact_forces\): record each"
     with pytest.raises(RecordingError, match=refusal):
-        read(both)
+        read_bag(both)
     content = both.read_bytes()
     both.write_bytes(content[: len(content) - 400])  # without its index
     with pytest.raises(RecordingError, match=refusal):
-        read(both, lost=[].append)
+        read_bag(both, lost=[].append)
     assert main(["info", str(both)]) == 1
     assert "both.mcap holds 2 runs" in capsys.readouterr().err
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from wheelset_track_sim.bags import Bag, BagWriter, Gap, blocks, read
+from wheelset_track_sim.bags import Bag, BagWriter, Gap, blocks, read_bag
 from wheelset_track_sim.bags.mcap.reader import McapReader
-from wheelset_track_sim.bags.window import Window, first_chunk
+from wheelset_track_sim.bags.window import RunWindow, first_chunk
 from wheelset_track_sim.errors import InputError, RecordingError
 
 CHUNKS = 40
@@ -24,7 +24,7 @@ def bag(tmp_path_factory, make_small_run):
 
 @pytest.fixture(scope="module")
 def whole(bag):
-    return read(bag)
+    return read_bag(bag)
 
 
 def assert_part(found, whole, part):
@@ -35,7 +35,7 @@ def assert_part(found, whole, part):
 @given(first=st.integers(0, STEPS - 1), count=st.integers(1, STEPS))
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_steps(bag, whole, first, count):
-    found = read(bag, steps=(first, first + count))
+    found = read_bag(bag, steps=(first, first + count))
     assert_part(found, whole, slice(first, first + count))
     last = min(first + count, STEPS) - 1
     assert [state.revision for state in found.states] == [*range(whole.revision[first], whole.revision[last] + 1)]
@@ -45,7 +45,7 @@ def test_any_steps(bag, whole, first, count):
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_time(bag, whole, start, length):
     held = (whole.time >= start) & (whole.time < start + length)
-    assert_part(read(bag, start=start, stop=start + length), whole, held)
+    assert_part(read_bag(bag, start=start, stop=start + length), whole, held)
 
 
 def test_only_what_is_needed_is_read(bag, whole, monkeypatch):
@@ -64,29 +64,29 @@ def test_only_what_is_needed_is_read(bag, whole, monkeypatch):
 
 
 def test_some_nodes_in_any_order(bag, whole):
-    found = read(bag, nodes=("C1", "A1"))
+    found = read_bag(bag, nodes=("C1", "A1"))
     assert found.nodes == ("C1", "A1")
     assert found.stresses.tobytes() == whole.stresses[:, [2, 0]].tobytes()
-    assert read(bag, nodes=()).stresses.shape == (STEPS, 0, 6)
+    assert read_bag(bag, nodes=()).stresses.shape == (STEPS, 0, 6)
     with pytest.raises(InputError, match="has no stress node B7: it has a1, b1, c1"):
-        read(bag, nodes=["B7"])
+        read_bag(bag, nodes=["B7"])
 
 
 def test_what_is_not_there(bag):
     with pytest.raises(RecordingError, match="holds no samples from 7 s to 8 s"):
-        read(bag, start=7, stop=8)
+        read_bag(bag, start=7, stop=8)
     with pytest.raises(RecordingError, match=r"holds no samples .* in steps from 5000 to 5009"):
-        read(bag, steps=(5000, 5010))
+        read_bag(bag, steps=(5000, 5010))
     with pytest.raises(RecordingError, match="holds no samples"):  # between two of them
-        read(bag, start=1.01 * 36e-6, stop=1.02 * 36e-6)
+        read_bag(bag, start=1.01 * 36e-6, stop=1.02 * 36e-6)
     with pytest.raises(InputError, match="give start before stop"):
-        read(bag, start=2, stop=1)
+        read_bag(bag, start=2, stop=1)
     with pytest.raises(InputError, match="give start before stop"):
-        read(bag, start=float("nan"))
+        read_bag(bag, start=float("nan"))
     with pytest.raises(InputError, match="give two that rise"):
-        read(bag, steps=(5, 5))
+        read_bag(bag, steps=(5, 5))
     with pytest.raises(InputError, match="give two that rise"):
-        read(bag, steps=(-1, None))
+        read_bag(bag, steps=(-1, None))
 
 
 def test_parts_of_a_damaged_bag(bag, whole, tmp_path):
@@ -95,15 +95,15 @@ def test_parts_of_a_damaged_bag(bag, whole, tmp_path):
     content[place + 300] ^= 1
     path = tmp_path / "run.mcap"
     path.write_bytes(content)
-    assert_part(read(path, steps=(0, 450)), whole, slice(0, 450))
+    assert_part(read_bag(path, steps=(0, 450)), whole, slice(0, 450))
     with pytest.raises(RecordingError, match="not a complete bag"):
-        read(path, steps=(450, 600))
+        read_bag(path, steps=(450, 600))
     losses = []
-    found = read(path, steps=(450, 600), lost=losses.append)
+    found = read_bag(path, steps=(450, 600), lost=losses.append)
     assert_part(found, whole, np.r_[450:525, 550:600])
     assert [loss for loss in losses if isinstance(loss, Gap)] == [Gap(525, 25, pytest.approx(25 * 36e-6))]
     path.write_bytes(content[:-1])  # without index it is gone through from the beginning
-    assert_part(read(path, steps=(450, 600), lost=losses.append), whole, np.r_[450:525, 550:600])
+    assert_part(read_bag(path, steps=(450, 600), lost=losses.append), whole, np.r_[450:525, 550:600])
 
 
 def test_parts_across_files(tmp_path, run_info, run_blocks):
@@ -112,7 +112,7 @@ def test_parts_across_files(tmp_path, run_info, run_blocks):
             writer.write(block)
             if block is not run_blocks[-1]:
                 writer.split()
-    found = read(tmp_path / "run", steps=(1380, 1400))
+    found = read_bag(tmp_path / "run", steps=(1380, 1400))
     assert found.steps.tolist() == [*range(1380, 1400)]
     assert found.forces.tobytes() == np.concatenate([block.forces for block in run_blocks])[1380:1400].tobytes()
 
@@ -124,7 +124,7 @@ def test_the_chunk_to_begin_with_is_not_after_the_window(lengths, target):
     for length in lengths:
         begins.append(None if length is None else (step, float(step)))
         step += length or 0
-    found = first_chunk(len(lengths), Window(first_step=target), lambda number: begins[number])
+    found = first_chunk(len(lengths), RunWindow(first_step=target), lambda number: begins[number])
     later = [number for number in range(found) if begins[number] is not None]
     following = begins[found]
     if following is not None and found > 0:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from wheelset_track_sim.bags import Bag, BagWriter, blocks, read
+from wheelset_track_sim.bags import Bag, BagWriter, blocks, read_bag
 from wheelset_track_sim.bags.bag_reader import beside
 from wheelset_track_sim.bags.messages import chunk_messages
 from wheelset_track_sim.errors import InputError, RecordingError
@@ -37,7 +37,7 @@ def test_an_existing_bag_is_left_alone(tmp_path, run_info, run_blocks, name):
     with pytest.raises(InputError, match="exists already") as error:
         BagWriter(path, run_info, start_ns=0)
     assert str(path) in one_line(error)
-    assert len(read(path)) == 2090
+    assert len(read_bag(path)) == 2090
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -75,7 +75,7 @@ def test_failure_on_the_way_keeps_what_was_recorded(tmp_path, run_info, run_bloc
     path = tmp_path / name
     with pytest.raises(ZeroDivisionError):
         record(path, run_info, (block if block is run_blocks[0] else 1 / 0 for block in run_blocks))
-    assert len(read(path)) == len(run_blocks[0])
+    assert len(read_bag(path)) == len(run_blocks[0])
 
 
 def test_a_closed_bag_takes_nothing_more(tmp_path, run_info, run_blocks):
@@ -100,13 +100,13 @@ def test_a_full_disk_is_told_in_one_line(tmp_path, run_info, run_blocks):
 
 def test_a_missing_bag(tmp_path):
     with pytest.raises(RecordingError, match="does not exist") as error:
-        read(tmp_path / "none.mcap")
+        read_bag(tmp_path / "none.mcap")
     one_line(error)
 
 
 def test_a_folder_without_a_bag(tmp_path):
     with pytest.raises(RecordingError, match=r"holds no \.mcap file"):
-        read(tmp_path)
+        read_bag(tmp_path)
 
 
 @pytest.mark.parametrize("content", [b"", b"speed: 3\n" * 100, bytes(5000)])
@@ -114,7 +114,7 @@ def test_another_kind_of_file(tmp_path, content):
     path = tmp_path / "run.mcap"
     path.write_bytes(content)
     with pytest.raises(RecordingError, match="not a complete bag") as error:
-        read(path)
+        read_bag(path)
     one_line(error)
 
 
@@ -125,18 +125,18 @@ def test_a_truncated_bag(tmp_path, run_info, run_blocks, part):
     whole = path.read_bytes()
     path.write_bytes(whole[: int(len(whole) * part)])
     with pytest.raises(RecordingError, match=r"not a complete bag.*was not closed") as error:
-        read(path)
+        read_bag(path)
     one_line(error)
 
 
 def test_no_flipped_byte_passes_for_data(tmp_path, run_info, run_blocks):
     path = tmp_path / "run.mcap"
     record(path, run_info, run_blocks)
-    whole, forces = path.read_bytes(), read(path).forces.tobytes()
+    whole, forces = path.read_bytes(), read_bag(path).forces.tobytes()
     for place in range(0, len(whole), len(whole) // 97):
         path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x10]) + whole[place + 1 :])
         try:
-            found = read(path)
+            found = read_bag(path)
         except RecordingError:
             continue
         assert found.forces.tobytes() == forces, f"byte {place}"
@@ -163,7 +163,7 @@ def test_decimated_samples_are_no_run(tmp_path, run_blocks, run_info):
     with BagWriter(path, run_info, start_ns=0) as bag:
         bag.write(dataclasses.replace(run_blocks[0], decimation=10))
     with pytest.raises(RecordingError, match=r"only each 10th step of /wheelset_track_sim/\S+: record it at full rate"):
-        read(path)
+        read_bag(path)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import Bag, BagWriter, State, blocks, read
+from wheelset_track_sim.bags import Bag, BagWriter, State, blocks, read_bag
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.summary import summarise
 
@@ -60,7 +60,7 @@ def test_recording_has_one_entry_a_step(path, run_info, run_blocks, make_state):
             bag.write(block)
         bag.write_state(make_state(run_blocks[2]))
         bag.write(run_blocks[2])
-    found = read(path)
+    found = read_bag(path)
     first, _, third = run_blocks
     assert found.info == run_info
     assert found.start_ns == START_NS
@@ -91,7 +91,7 @@ def test_summary_of_a_recording_is_that_of_its_blocks(path, run_info, make_block
                     stresses=whole.stresses[a:b].copy(),
                 )
             )
-    assert read(path).summary == summarise(whole)
+    assert read_bag(path).summary == summarise(whole)
 
 
 def test_events_keep_their_order(path, run_info, run_blocks, make_state):

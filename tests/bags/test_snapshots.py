@@ -10,7 +10,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
-from wheelset_track_sim.bags import RecordSettings, read
+from wheelset_track_sim.bags import RecordSettings, read_bag
 from wheelset_track_sim.bags.bag_writer import BagWriter
 from wheelset_track_sim.bags.snapshots import SnapshotWriter, writer_of
 from wheelset_track_sim.errors import InputError, RecordingError
@@ -65,7 +65,7 @@ def test_what_is_around_an_impact_is_a_bag_of_its_own(start, blocks, make_state,
     first, second = taken(writer)
     assert first.name == f"run_step_{round(70.5 * SAMPLES)}"
     for path, number in ((first, 70), (second, 150)):
-        found = read(path)
+        found = read_bag(path)
         begin, end = int(found.steps[0]) // SAMPLES, int(found.steps[-1]) // SAMPLES
         before = (number + 0.5) * PERIOD - found.time[0]
         assert 1.0 <= before < 1.0 + 2 * PERIOD
@@ -102,7 +102,7 @@ def test_each_opens_in_other_readers(start, blocks, make_state):
 def test_impacts_in_a_snapshot_belong_to_it_and_nothing_is_written_twice(start, blocks, make_state):
     with start(snapshot_duration=0.5, snapshot_after=0.5) as writer:
         run(writer, blocks, make_state, range(100), {*range(20, 60)})
-    spans = [(int(read(path).steps[0]), int(read(path).steps[-1])) for path in taken(writer)]
+    spans = [(int(read_bag(path).steps[0]), int(read_bag(path).steps[-1])) for path in taken(writer)]
     assert len(spans) == 4
     for (_, end), (begin, _) in pairwise(spans):
         assert begin > end
@@ -124,7 +124,7 @@ def test_taken_by_hand(start, blocks, make_state):
     run(writer, blocks, make_state, range(100), set())
     path = writer.snapshot()
     assert path.name == f"run_step_{100 * SAMPLES - 1}"
-    found = read(path)
+    found = read_bag(path)
     assert found.steps[-1] == 100 * SAMPLES - 1
     assert found.time[-1] - found.time[0] == pytest.approx(1.0, abs=2 * PERIOD)
     assert found.states[0].first_step == found.steps[0]
@@ -136,7 +136,7 @@ def test_taken_by_hand(start, blocks, make_state):
         writer.split()
     writer.close()
     assert len(taken(writer)) == 2
-    assert read(taken(writer)[1]).steps[0] == 100 * SAMPLES
+    assert read_bag(taken(writer)[1]).steps[0] == 100 * SAMPLES
 
 
 def test_no_snapshot_has_a_gap(start, blocks, make_state):
@@ -145,7 +145,7 @@ def test_no_snapshot_has_a_gap(start, blocks, make_state):
         writer.gap("steps are lost")
         run(writer, blocks, make_state, range(25, 40), {28})
     [path] = taken(writer)
-    assert read(path).steps[0] == 25 * SAMPLES
+    assert read_bag(path).steps[0] == 25 * SAMPLES
 
 
 def test_the_oldest_go_first(start, blocks, make_state):
@@ -155,7 +155,7 @@ def test_the_oldest_go_first(start, blocks, make_state):
     assert [path.name for path in kept] == [f"run_step_{round((n + 0.5) * SAMPLES)}" for n in (140, 180)]
     assert sum(file.stat().st_size for path in kept for file in path.glob("*.mcap")) <= 10_000_000
     for path in kept:
-        assert len(read(path)) > 10 * SAMPLES
+        assert len(read_bag(path)) > 10 * SAMPLES
 
 
 def test_nothing_is_overwritten(start, tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 
-from wheelset_track_sim.bags import BagWriter, read
+from wheelset_track_sim.bags import BagWriter, read_bag
 from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.inputs.yaml12 import parse
@@ -28,7 +28,7 @@ def split_bag(tmp_path, run_info, run_blocks, make_state):
 
 
 def test_the_run_comes_back_whole(split_bag, run_blocks, make_state):
-    found = read(split_bag)
+    found = read_bag(split_bag)
     np.testing.assert_array_equal(found.forces, np.concatenate([block.forces for block in run_blocks]))
     np.testing.assert_array_equal(found.steps, np.arange(2090))
     again = make_state(run_blocks[1])
@@ -38,7 +38,7 @@ def test_the_run_comes_back_whole(split_bag, run_blocks, make_state):
 def test_each_file_can_be_read_alone(split_bag, run_blocks, run_info, make_state):
     start = Input(0, 0, make_state(run_blocks[0]).scenario)
     for number, block in enumerate(run_blocks):
-        found = read(split_bag / f"run_{number}.mcap")
+        found = read_bag(split_bag / f"run_{number}.mcap")
         assert found.info == (run_info.with_input(start) if number else run_info)  # what went in before the file
         assert found.start_ns == START_NS
         np.testing.assert_array_equal(found.forces, block.forces)
@@ -65,7 +65,7 @@ def test_metadata_are_complete_while_a_later_file_is_written(tmp_path, run_info,
     assert "run_1.mcap" in text
     assert "message_count: 5" in text
     bag.close()
-    np.testing.assert_array_equal(read(tmp_path / "run").forces, run_blocks[0].forces)  # the second one is empty
+    np.testing.assert_array_equal(read_bag(tmp_path / "run").forces, run_blocks[0].forces)  # the second one is empty
 
 
 def test_a_first_file_without_samples_hides_nothing(tmp_path, run_info, run_blocks, make_state):
@@ -73,7 +73,7 @@ def test_a_first_file_without_samples_hides_nothing(tmp_path, run_info, run_bloc
         bag.write_state(make_state(run_blocks[0]))
         bag.split()
         bag.write(run_blocks[0])
-    np.testing.assert_array_equal(read(tmp_path / "run").stresses, run_blocks[0].stresses)
+    np.testing.assert_array_equal(read_bag(tmp_path / "run").stresses, run_blocks[0].stresses)
 
 
 def test_what_cannot_be_split(tmp_path, run_info, run_blocks):
@@ -88,7 +88,7 @@ def test_what_cannot_be_split(tmp_path, run_info, run_blocks):
         with pytest.raises(InputError, match="single file"):
             bag.split()
         bag.write(run_blocks[1])
-    assert len(read(tmp_path / "run.mcap")) == 1390
+    assert len(read_bag(tmp_path / "run.mcap")) == 1390
 
 
 def test_a_file_in_the_way_ends_the_bag_and_keeps_what_was_recorded(tmp_path, run_info, run_blocks):
@@ -98,4 +98,4 @@ def test_a_file_in_the_way_ends_the_bag_and_keeps_what_was_recorded(tmp_path, ru
         with pytest.raises(RecordingError, match="cannot be written further"):
             bag.split()
     assert (tmp_path / "run" / "run_1.mcap").read_text() == "not ours"
-    assert len(read(tmp_path / "run" / "run_0.mcap")) == 1389
+    assert len(read_bag(tmp_path / "run" / "run_0.mcap")) == 1389

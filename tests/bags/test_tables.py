@@ -3,7 +3,7 @@ import sys
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import BagWriter, read
+from wheelset_track_sim.bags import BagWriter, read_bag
 from wheelset_track_sim.errors import InputError
 
 START_NS = 1_700_000_000_123_456_789
@@ -14,7 +14,7 @@ def recording(tmp_path, run_info, run_blocks):
     with BagWriter(tmp_path / "run.mcap", run_info, start_ns=START_NS) as writer:
         for block in run_blocks:
             writer.write(block)
-    return read(tmp_path / "run.mcap")
+    return read_bag(tmp_path / "run.mcap")
 
 
 def test_pandas_has_a_row_for_each_step(recording):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.cli import main
 
 
@@ -46,14 +46,14 @@ def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFix
     bag = tmp_path / "run.mcap"
     assert main(["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]) == 0
     assert "contact force wheel_1" in capsys.readouterr().out
-    recording = read(bag)
+    recording = read_bag(bag)
     assert len(recording) == 3600
     assert np.all(np.diff(recording.steps) == 1)
     assert main(["report", str(bag), "--out", str(tmp_path / "page.html")]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"run.mcap", "page.html", "page.png"}
     assert main(["run", "undamaged", "--out", str(bag)]) == 2
     assert "exists already" in capsys.readouterr().err
-    assert len(read(bag)) == 3600
+    assert len(read_bag(bag)) == 3600
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit):
         main(["--help"])
     commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
-    assert len(commands) == 11
+    assert len(commands) == 12
     for name, words in commands:
         with pytest.raises(SystemExit):
             main([name, "--help"])
@@ -134,4 +134,4 @@ def test_an_interrupted_run_leaves_a_readable_bag(tmp_path: Path) -> None:
         process.kill()
     assert process.returncode == 1
     assert "interrupted" in errors.splitlines()[-1]
-    assert len(read(bag)) > 1000
+    assert len(read_bag(bag)) > 1000

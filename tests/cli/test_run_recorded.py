@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.cli import main
 
 PLAN = """
@@ -27,7 +27,7 @@ def test_each_change_of_a_speed_plan_is_in_the_bag_with_its_step(
     assert main([*arguments, "--split-duration", "1"]) == 0
     capsys.readouterr()
     assert sorted(file.name for file in (tmp_path / "run").glob("*.mcap")) == ["run_0.mcap", "run_1.mcap"]
-    found = read(tmp_path / "run")
+    found = read_bag(tmp_path / "run")
     np.testing.assert_array_equal(found.steps, np.arange(len(found)))
     told = {state.speed_set_point: state for state in reversed(found.states)}  # the first of each
     assert [*reversed(told)] == [25.0, 26.0, 25.5]
@@ -35,8 +35,8 @@ def test_each_change_of_a_speed_plan_is_in_the_bag_with_its_step(
         assert state.time == pytest.approx(time, abs=0.06)
         assert state.time == found.time[state.first_step]
         assert state.scenario == found.info.scenario
-    again = read(tmp_path / "run" / "run_1.mcap").states[0]
-    assert (again.first_step, again.speed_set_point) == (int(read(tmp_path / "run" / "run_1.mcap").steps[0]), 25.5)
+    again = read_bag(tmp_path / "run" / "run_1.mcap").states[0]
+    assert (again.first_step, again.speed_set_point) == (int(read_bag(tmp_path / "run" / "run_1.mcap").steps[0]), 25.5)
 
 
 def test_snapshots_of_impacts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -48,7 +48,7 @@ def test_snapshots_of_impacts(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main(["info", str(tmp_path / "run")]) == 2
     assert f"give a bag folder or an .mcap file, such as {min(snapshots)}\n" in capsys.readouterr().err
     for path in snapshots:
-        found = read(path)
+        found = read_bag(path)
         step = int(path.name.rpartition("_")[2])
         assert found.forces[step - int(found.steps[0])].max() > 200e3
     assert main([*arguments[:-2], "--out", str(tmp_path / "none"), "--snapshots", "0.2", "--threshold", "4e6"]) == 0

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from support.paths import ROOT
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.twin.measured import read_measurement
 
@@ -32,7 +32,7 @@ def test_a_bag_of_stresses_is_one_like_any_other(tmp_path: Path, capsys: pytest.
     bag = tmp_path / "stress.mcap"
     assert main(["stress", str(EXAMPLE), "--speed", "27.8", "--out", str(bag)]) == 0
     assert "maximum principal stress A1" in capsys.readouterr().out
-    found = read(bag)
+    found = read_bag(bag)
     np.testing.assert_allclose(found.forces[:, 0], read_measurement(EXAMPLE).signals["wheel_1"])
     assert found.nodes == ("A1", "B1", "C1")
     assert found.max_principal[:, 0].max() > 70e6
@@ -45,7 +45,7 @@ def test_a_bag_of_stresses_begins_at_any_time(tmp_path: Path, start: float) -> N
     rows = "\n".join(f"{start + number / 1024!r},98,97" for number in range(100))
     path.write_text(f"time [s],wheel_1 [kN],wheel_2 [kN]\n{rows}\n")
     assert main(["stress", str(path), "--nodes", "A1", "--speed", "20", "--out", str(bag)]) == 0
-    found = read(bag)
+    found = read_bag(bag)
     np.testing.assert_allclose(found.time, start + np.arange(100) / 1024, atol=1e-6)
     assert main(["info", str(bag)]) == 0
 

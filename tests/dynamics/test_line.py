@@ -85,6 +85,7 @@ def test_any_chunk_length_gives_the_same_bits() -> None:
             assert np.array_equal(one, two)
 
 
+@pytest.mark.slow
 def test_a_speed_is_the_same_however_it_is_reached() -> None:
     supports = [{"sleepers": "30-40", "ballast_stiffness": 3.0}]
     changed = Simulator(on_line(changes=("speed=27", "acceleration=10"), supports=supports))
@@ -113,6 +114,7 @@ def test_force_is_continuous_where_the_speed_changes() -> None:
     assert apart.max() > 50.0
 
 
+@pytest.mark.slow
 def test_a_line_repeats() -> None:
     simulator = Simulator(on_line(bays=48, scatter={"pad_stiffness": 0.2, "ballast_stiffness": 0.3}))
     advance_to(simulator, 4 * 48 * 600)
@@ -151,7 +153,7 @@ def test_what_steps_cannot_follow_is_refused() -> None:
         Simulator(on_line(changes=("dynamics=paper",)))
     for changes in (("speed=5",), ("speed_plan=[{time: 9, speed: 5}]",)):
         with pytest.raises(
-            InputError, match=r"speed = 5 m/s makes steps of 0\.4 ms, .* from 10 m/s, .* up to 0\.001 m"
+            InputError, match=r"speed = 5 m/s makes steps of 0\.4 ms, .* give 10 m/s or more, .* up to 0\.001 m"
         ):
             Simulator(on_line(changes=("step_length=0.002", *changes)))
     simulator = Simulator(on_line(changes=("step_length=0.002",)))
@@ -159,9 +161,8 @@ def test_what_steps_cannot_follow_is_refused() -> None:
         simulator.apply(dataclasses.replace(simulator.scenario, speed=9.0))
     hangs = {"supports": [{"sleepers": 1, "gap": 0.0}]}
     track = {"base": "ballasted_60e1", "ballast": {"damping": 5e6}, "line": hangs}
-    scenario = scenario_from({**load_scenario("undamaged").to_mapping(), "track": track})
     with pytest.raises(InputError, match=r"ballast damping of hanging sleepers, 5e\+06 N s/m, is too high"):
-        Simulator(scenario)
+        scenario_from({**load_scenario("undamaged").to_mapping(), "track": track})
 
 
 def test_the_line_is_what_the_supports_say() -> None:

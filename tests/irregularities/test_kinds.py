@@ -39,7 +39,8 @@ Y = np.arange(-10, 11) * 1e-3
 KINDS = OWN
 
 
-def shipped_entries():
+@pytest.fixture(scope="module")
+def entries():
     """One entry of each kind, from the shipped scenarios."""
     found = {}
     for name in shipped.names("scenarios"):
@@ -48,11 +49,8 @@ def shipped_entries():
     return found
 
 
-ENTRIES = shipped_entries()
-
-
-def test_every_kind_has_a_shipped_scenario():
-    assert set(ENTRIES) == set(KINDS)
+def test_every_kind_has_a_shipped_scenario(entries):
+    assert set(entries) == set(KINDS)
 
 
 def scenario_with(*entries):
@@ -69,7 +67,7 @@ NUMBERS = [
 
 @pytest.mark.parametrize(("kind", "name", "quantity"), NUMBERS, ids=[f"{kind}.{name}" for kind, name, _ in NUMBERS])
 @given(data=st.data())
-def test_every_bad_number_is_refused_by_name(kind, name, quantity, data):
+def test_every_bad_number_is_refused_by_name(entries, kind, name, quantity, data):
     span = quantity.high - quantity.low
     value = data.draw(
         st.one_of(
@@ -79,14 +77,14 @@ def test_every_bad_number_is_refused_by_name(kind, name, quantity, data):
         )
     )
     with pytest.raises(InputError) as refusal:
-        scenario_with({**ENTRIES[kind], name: value})
+        scenario_with({**entries[kind], name: value})
     assert str(refusal.value).startswith(f"irregularities.0.{name}")
     assert "\n" not in str(refusal.value)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_unknown_keys_and_surfaces_are_refused_with_those_that_are_known(kind):
-    entry = ENTRIES[kind]
+def test_unknown_keys_and_surfaces_are_refused_with_those_that_are_known(entries, kind):
+    entry = entries[kind]
     with pytest.raises(InputError, match=r"irregularities\.0\.colour is not a known key: .*known are on,"):
         scenario_with({**entry, "colour": 1})
     with pytest.raises(InputError, match=r"irregularities\.0\.on = 'wheel_3' is not a known choice"):
@@ -105,8 +103,8 @@ def test_an_unknown_type_is_refused_with_the_list():
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_comes_back_from_its_own_text_and_over_a_network(kind):
-    scenario = scenario_with(ENTRIES[kind])
+def test_each_comes_back_from_its_own_text_and_over_a_network(entries, kind):
+    scenario = scenario_with(entries[kind])
     again = listed(dump([plain(each) for each in scenario.irregularities]), lambda name: name)
     assert again == scenario.irregularities
 

@@ -11,7 +11,9 @@ from support.paths import ROOT
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.irregularities import kinds, read_irregularities
 from wheelset_track_sim.irregularities.listing import listed
+from wheelset_track_sim.runtime import sources
 from wheelset_track_sim.scenario import load_scenario, scenario_from
+from wheelset_track_sim.studies.evaluate import Job
 
 BURN = "{type: wheel_burn, on: rail_1, position: 1.2, length: 0.08}"
 
@@ -52,6 +54,18 @@ def test_it_works_in_scenarios_and_changes_and_carries_its_package_in_text(kind)
         load_scenario("undamaged", [f"irregularities=[{BURN}]", "irregularities.0.length=3"])
     with pytest.raises(InputError, match="did you mean wheel_burn"):
         load_scenario("undamaged", ["irregularities=[{type: wheel_bun}]"])
+
+
+def test_a_result_of_a_study_is_of_one_version_of_the_kind(kind, installed):
+    job = Job(load_scenario("undamaged", [f"irregularities=[{BURN}]"]), 0.1, 0.1, ("wheels.wheel_1.max_force",))
+    before, source = job.digest(), installed / "wheel_burn.py"
+    text = source.read_text()
+    source.write_text(f"{text}# edited\n")
+    sources.program.cache_clear()
+    assert job.digest() != before
+    source.write_text(text)
+    sources.program.cache_clear()
+    assert job.digest() == before
 
 
 def test_without_the_package_it_is_named():

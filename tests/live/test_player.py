@@ -281,7 +281,7 @@ def test_rate_out_of_range_is_refused(rate):
 
 def test_offset_behind_the_end_is_refused():
     with pytest.raises(
-        InputError, match=r"^start_offset = 2 s is behind the end of the bag: give a time below 1\.05 s$"
+        InputError, match=r"^start_offset = 2 s is after the end of the bag: give a time below 1\.05 s$"
     ):
         Session(Tape([0, 10**9]), start_offset=2.0)
 

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.messages import chunk_messages
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.live.recorder import LONGEST_NAME, Recorder, name_now, path_below
@@ -108,7 +108,7 @@ def test_one_bag_at_a_time(recorder, tmp_path, run_blocks):
     recorder.write(chunk_messages(run_blocks[1], 0))
     assert recorder.path == recorder.stop().result() == str(tmp_path / "run")
     assert recorder.path == ""
-    assert len(read(tmp_path / "run")) == 1390
+    assert len(read_bag(tmp_path / "run")) == 1390
     with pytest.raises(InputError, match="exists already"):
         begin(recorder, tmp_path / "run")
     assert recorder.path == ""
@@ -130,7 +130,7 @@ def test_of_two_that_begin_at_once_one_is_taken(recorder, tmp_path, run_blocks):
         recorder.take(second)
     recorder.write(chunk_messages(run_blocks[0], 0))
     recorder.stop().result()
-    assert len(read(tmp_path / "first")) == len(run_blocks[0])
+    assert len(read_bag(tmp_path / "first")) == len(run_blocks[0])
 
 
 def test_a_full_disk_ends_the_recording_and_another_can_begin(recorder, told, tmp_path, run_blocks):
@@ -151,7 +151,7 @@ def test_a_full_disk_ends_the_recording_and_another_can_begin(recorder, told, tm
     assert recording_status(recorder.figures).message == f"to {tmp_path / 'again'}"
     recorder.write(chunk_messages(run_blocks[0], 0))
     recorder.stop().result()
-    assert len(read(tmp_path / "again")) == len(run_blocks[0])
+    assert len(read_bag(tmp_path / "again")) == len(run_blocks[0])
 
 
 @pytest.mark.parametrize("name", ["run{}", "run{}.mcap"])

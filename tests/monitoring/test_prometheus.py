@@ -7,10 +7,6 @@ import urllib.request
 import numpy as np
 import pytest
 
-pytest.importorskip("prometheus_client")
-
-from prometheus_client.parser import text_string_to_metric_families
-
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
@@ -24,6 +20,8 @@ from wheelset_track_sim.samples.turns import TurnPeaks
 
 def scraped(endpoint):
     """Samples by name and labels."""
+    from prometheus_client.parser import text_string_to_metric_families
+
     with urllib.request.urlopen(f"http://127.0.0.1:{endpoint.port}/metrics", timeout=20) as answer:
         assert answer.headers["Content-Type"].startswith("text/plain")
         text = answer.read().decode()
@@ -37,6 +35,7 @@ def scraped(endpoint):
 
 @pytest.fixture
 def metrics():
+    pytest.importorskip("prometheus_client")
     return Metrics()
 
 

@@ -20,7 +20,6 @@ def test_a_smooth_contact_is_that_of_hertz():
     assert found.defects == ()
 
 
-@pytest.mark.slow
 def test_it_is_the_pressure_of_the_simulation():
     from wheelset_track_sim.simulation.simulator import Simulator
 

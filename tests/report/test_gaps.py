@@ -9,8 +9,6 @@ from wheelset_track_sim.bags import Bag, BagWriter, Gap, blocks
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.report import survey
 
-pytestmark = pytest.mark.slow
-
 SPIKES = [(1.0, 300e3), (4.0, 280e3), (7.5, 310e3)]
 LOST = slice(2778, 5556)
 """Steps of the blocks that are left out: the second impact is among them."""

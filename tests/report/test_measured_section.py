@@ -7,12 +7,10 @@ import pytest
 
 from support.paths import ROOT
 from wheelset_track_sim.cli import main
-from wheelset_track_sim.report.measured import MOST, drawn
 
 EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 
 
-@pytest.mark.slow
 def test_the_page_shows_both_curves_and_how_well_they_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag, page = tmp_path / "run.mcap", tmp_path / "run.html"
     assert main(["run", "damage_wheel_1", "--duration", "0.15", "--out", str(bag), "--json"]) == 0
@@ -26,6 +24,8 @@ def test_the_page_shows_both_curves_and_how_well_they_agree(tmp_path: Path, caps
 
 
 def test_long_records_are_drawn_without_losing_a_peak() -> None:
+    from wheelset_track_sim.report.measured import MOST, drawn  # with bokeh
+
     at = np.arange(300_001.0)
     values = np.zeros((300_001, 2))
     values[-2, 0], values[7, 1] = 5.0, -3.0

@@ -12,11 +12,7 @@ import pytest
 from wheelset_track_sim.bags import BagWriter
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
-
-pytest.importorskip("bokeh", reason="the page needs the extra report")
-
-from wheelset_track_sim.report.page import write_report
-from wheelset_track_sim.report.whole_file import write_whole
+from wheelset_track_sim.report.files import write_whole
 
 
 class Page(HTMLParser):
@@ -49,7 +45,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture
-def page_of(make_survey, tmp_path):
+def page_of(make_survey, write_report, tmp_path):
     def page(*arguments, **options):
         run = make_survey(*arguments, **options)
         return Page(write_report(run, tmp_path / "new" / "page.html").read_text(encoding="utf-8"))
@@ -123,7 +119,7 @@ def test_names_are_shown_and_never_run(page_of):
     assert name in page.words
 
 
-def test_a_path_that_cannot_be_written(make_survey, tmp_path):
+def test_a_path_that_cannot_be_written(make_survey, write_report, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         write_report(make_survey(length=2.7), tmp_path / "file" / "out.html")
@@ -188,7 +184,7 @@ def test_a_run_without_stress_nodes_has_a_report_too(tmp_path, run_info, make_bl
 
 
 @pytest.mark.slow
-def test_a_long_run_makes_a_small_page(make_survey, tmp_path):
+def test_a_long_run_makes_a_small_page(make_survey, write_report, tmp_path):
     spikes = [(1.8 + 2.713 * turn, 250e3 + 100.0 * turn) for turn in range(400)]
     run = make_survey("damage_wheel_1", length=1200.0, spikes=spikes)
     assert write_report(run, tmp_path / "page.html").stat().st_size < 7e6

@@ -7,15 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("bokeh", reason="the page needs the extra report")
+from wheelset_track_sim.bags import blocks
+from wheelset_track_sim.cli import main
+from wheelset_track_sim.report import survey
 
 pytestmark = pytest.mark.slow
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser: make test brings it")
-
-from wheelset_track_sim.bags import blocks  # noqa: E402
-from wheelset_track_sim.cli import main  # noqa: E402
-from wheelset_track_sim.report import survey  # noqa: E402
-from wheelset_track_sim.report.page import write_report  # noqa: E402
 
 FLAGS = [
     "--headless=new",
@@ -51,6 +47,7 @@ def browser():
     if path is None:
         assert not os.environ.get("CI"), "install the package chromium: .ci/run does"
         pytest.skip("no Chromium here: install the package chromium")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser: make test brings it")
     with sync_api.sync_playwright() as playwright:
         started = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield started
@@ -67,7 +64,7 @@ def bags(make_bag, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pages(bags):
+def pages(bags, write_report):
     return {name: write_report(survey(bag), bag.with_suffix(".html")) for name, bag in bags.items()}
 
 

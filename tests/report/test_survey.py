@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from wheelset_track_sim.report.closeups import Closeups
 from wheelset_track_sim.report.envelope import Bins, Envelope, drawn
-from wheelset_track_sim.report.samples import SampleSeries
+from wheelset_track_sim.report.samples import Closeups, SampleSeries
 from wheelset_track_sim.report.spectrum import Welch
 
 RNG = np.random.default_rng(5)

@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from rclpy.serialization import deserialize_message, serialize_message
-
 from wheelset_track_sim.bags.messages import block_of, chunk_messages, state_message, state_of
-from wheelset_track_sim.ros.conversions import message_type
 
 pytestmark = pytest.mark.ros
 
@@ -22,10 +16,20 @@ def messages(make_block, make_state):
     return [*chunk_messages(block, START_NS, real_time_factor=2.5, lag=0.1), state_message(make_state(block), START_NS)]
 
 
+def received_by_ros(message):
+    from rclpy.serialization import deserialize_message
+
+    from wheelset_track_sim.ros.conversions import message_type
+
+    return deserialize_message(message.cdr, message_type(message.kind))
+
+
 def test_ros_reads_every_message_and_writes_it_as_the_node_does(messages):
+    from rclpy.serialization import serialize_message
+
     assert {message.kind for message in messages} == {"ContactForces", "AxleStress", "LoadSummary", "SimulationState"}
     for message in messages:
-        received = deserialize_message(message.cdr, message_type(message.kind))
+        received = received_by_ros(message)
         plain = message.fields | {"header": received.header}
         for name in received.get_fields_and_field_types():
             assert_same(getattr(received, name), plain[name])
@@ -46,7 +50,7 @@ def assert_same(received, given):
 
 def test_block_and_state_come_back_bit_by_bit(make_block, make_state, messages):
     block = make_block(1389, 1389, time=0.05)
-    received = {message.topic: deserialize_message(message.cdr, message_type(message.kind)) for message in messages}
+    received = {message.topic: received_by_ros(message) for message in messages}
     stresses = [received[f"axle_stress/{node.lower()}"] for node in block.nodes]
     back = block_of(received["contact_forces"], stresses)
     np.testing.assert_array_equal(back.forces, block.forces)

@@ -6,10 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from wheelset_track_sim.bags import blocks, read
+from wheelset_track_sim.bags import blocks, read_bag
 from wheelset_track_sim.samples.decimation import REACH, decimated
 from wheelset_track_sim.samples.principal import maximum_principal
 
@@ -43,7 +40,7 @@ def test_decimated_topics_are_the_filtered_run_and_the_summary_keeps_its_peaks(s
     client.until(lambda: forces and forces[-1].first_step > forces[0].first_step + 12_000 and stress)
     assert node.signal(signal.SIGINT) == 0, node.errors
 
-    whole = read(tmp_path / "run")  # at full rate, whatever is published
+    whole = read_bag(tmp_path / "run")  # at full rate, whatever is published
     np.testing.assert_array_equal(np.diff(whole.steps), 1)
     last = int(whole.steps[-1])
     client.until(lambda: forces[-1].first_step + FORCES * len(forces[-1].wheel_1) > last)  # the filter is emptied

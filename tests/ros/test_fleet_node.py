@@ -7,13 +7,9 @@ from queue import SimpleQueue
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.paths import ROOT
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.errors import ContactError, InputError
-from wheelset_track_sim.ros.process import Ending, _all, _close, fleet_names
 
 pytestmark = pytest.mark.ros
 
@@ -95,12 +91,12 @@ def test_each_has_the_bits_of_a_node_alone(start, tmp_path):
     for name, values in DAMAGE.items():
         alone = start(**{"scenario": "undamaged", **run, **values, "record.name": f"alone_{name}"})
         assert alone.wait() == 0, alone.errors
-        found, expected = read(bags[name]), read(tmp_path / f"alone_{name}")
+        found, expected = read_bag(bags[name]), read_bag(tmp_path / f"alone_{name}")
         np.testing.assert_array_equal(found.forces, expected.forces)
         np.testing.assert_array_equal(found.stresses, expected.stresses)
         assert len(found) == round(0.5 / found.step_period[0])
         assert found.info.digest == expected.info.digest
-    assert read(bags["leading"]).forces.min(axis=0)[0] == 0.0  # its breakout has been on the rail
+    assert read_bag(bags["leading"]).forces.min(axis=0)[0] == 0.0  # its breakout has been on the rail
 
 
 @pytest.mark.slow
@@ -137,6 +133,8 @@ class Closing:
 
 def ended(*endings):
     """Which of three nodes are closed, and the failure, after these endings."""
+    from wheelset_track_sim.ros.process import Ending, _all
+
     queue, nodes = SimpleQueue(), [Closing() for _ in range(3)]
     for number, failure in endings:
         queue.put(Ending(number, failure))
@@ -158,6 +156,8 @@ def test_bad_input_of_one_ends_all():
 
 def test_all_are_interrupted_before_one_is_waited_for():
     """The first may wait for models that the last one builds."""
+    from wheelset_track_sim.ros.process import _close
+
     told = []
 
     class Node:
@@ -171,13 +171,20 @@ def test_all_are_interrupted_before_one_is_waited_for():
     assert told == ["interrupt", "interrupt", "close", "close"]
 
 
-def test_names():
+@pytest.fixture
+def fleet_names():
+    from wheelset_track_sim.ros.process import fleet_names
+
+    return fleet_names
+
+
+def test_names(fleet_names):
     assert fleet_names("3") == ["wheelset_1", "wheelset_2", "wheelset_3"]
     assert fleet_names("leading") == ["leading"]
     assert fleet_names("a,b_2") == ["a", "b_2"]
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "101", "", "a,,b", "a,a", "2nd,b", "ä", "a b"])
-def test_names_refused(text):
+def test_names_refused(fleet_names, text):
     with pytest.raises(InputError, match="--fleet"):
         fleet_names(text)

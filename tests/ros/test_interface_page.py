@@ -6,9 +6,6 @@ from typing import NamedTuple
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.paths import ROOT
 from wheelset_track_sim.inputs.yaml12 import parse
 

@@ -4,9 +4,6 @@ import math
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.service_calls import assert_gap_free, first_of
 from wheelset_track_sim.errors import LONGEST
 from wheelset_track_sim.inputs.yaml12 import parse

@@ -11,12 +11,9 @@ import subprocess
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.launch_stand_in import LaunchFile, install
 from support.paths import ROOT
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -132,7 +129,7 @@ def test_names_follow_namespace_node_and_remapping(start, view, tmp_path):
     assert {status.hardware_id for array in told for status in array.status} == {"train/w1/front"}
 
     assert node.signal(signal.SIGINT) == 0, node.errors
-    recorded = read(tmp_path / "bag")
+    recorded = read_bag(tmp_path / "bag")
     received = np.concatenate([chunk.wheel_1 for chunk in forces])
     first = forces[0].first_step
     np.testing.assert_array_equal(recorded.forces[first : first + len(received), 0], received)

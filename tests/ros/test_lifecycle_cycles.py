@@ -6,10 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -105,6 +102,6 @@ def test_bag_that_hindered_activating_is_written_when_it_can_be(start, client, s
     assert client.transition("activate")
     client.until(lambda: len(summaries) >= 5)
     assert node.signal(signal.SIGINT) == 0, node.errors
-    recorded = read(bag)
+    recorded = read_bag(bag)
     assert recorded.steps[0] == 0
     assert len(recorded) >= summaries[-1].first_step + summaries[-1].samples

@@ -9,10 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from rosbags.highlevel import AnyReader
 
 from wheelset_track_sim.scenario import load_scenario

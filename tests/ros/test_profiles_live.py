@@ -4,10 +4,7 @@ import signal
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import load_scenario, scenario_from
 
@@ -35,6 +32,6 @@ def test_damage_comes_and_goes_where_the_wheel_runs(start, client, tmp_path):
     client.until(lambda: forces[-1].revision == 2 and max(forces[-1].wheel_1) > 130e3)
     assert node.signal(signal.SIGINT) == 0, node.errors
     assert "Traceback" not in node.errors
-    recorded = scenario_from(parse(read(tmp_path / "run").info.scenario, "the bag"))
+    recorded = scenario_from(parse(read_bag(tmp_path / "run").info.scenario, "the bag"))
     assert recorded.profiles == load_scenario("lateral_offset").profiles
     assert recorded.lateral_offset == 0.003

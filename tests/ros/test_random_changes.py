@@ -12,9 +12,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.bags import Bag, State
 from wheelset_track_sim.bags.tread_damage import irregularities_of
 from wheelset_track_sim.samples.block import SampleBlock

@@ -10,15 +10,8 @@ import subprocess
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from diagnostic_msgs.msg import DiagnosticArray
-from std_srvs.srv import Trigger
-from wheelset_track_msgs.srv import StartRecording
-
 from support.plain_scan import LARGEST_LOSS, Scan
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -29,6 +22,8 @@ class Recordings:
     """What a client sees of a node's recordings."""
 
     def __init__(self, client):
+        from diagnostic_msgs.msg import DiagnosticArray
+
         self.client = client
         self.forces = client.collect("contact_forces", "ContactForces")
         self.states = client.collect("state", "SimulationState", latched=True)
@@ -48,10 +43,12 @@ class Recordings:
         self.client.until(lambda: len(self.forces) > seen + 3)  # the stream goes on
 
     def start(self, name):
+        from wheelset_track_msgs.srv import StartRecording
+
         return self.client.call("start_recording", StartRecording, again=False, name=name)
 
     def trigger(self, service):
-        return self.client.call(service, Trigger, again=False)
+        return self.client.trigger(service)
 
     def run_on(self, seconds):
         self.client.until(lambda: self.forces)
@@ -75,9 +72,9 @@ def test_bounds_and_snapshots_as_parameters_say(start, client, recordings, tmp_p
     assert recordings.trigger("stop_recording").success
     parts = sorted((tmp_path / "parts").glob("*.mcap"))
     assert len(parts) >= 3
-    whole = read(tmp_path / "parts")
+    whole = read_bag(tmp_path / "parts")
     np.testing.assert_array_equal(whole.steps, np.arange(len(whole)))
-    for part in map(read, parts):
+    for part in map(read_bag, parts):
         assert part.states[0].first_step == part.steps[0]
         assert part.info.inputs
 
@@ -96,7 +93,7 @@ def test_bounds_and_snapshots_as_parameters_say(start, client, recordings, tmp_p
     steps = {impact.step for impact in recordings.impacts}
     assert len(snapshots) >= 2
     for path in snapshots:
-        found = read(path)
+        found = read_bag(path)
         assert found.states[0].first_step == found.steps[0]
         assert path == snapshots[-1] or int(path.name.rpartition("_")[2]) in steps
     assert found.time[-1] - found.time[0] == pytest.approx(0.3, abs=0.1)
@@ -143,14 +140,14 @@ def test_a_full_disk_ends_the_recording_and_when_there_is_room_another_begins(st
     small_disk.limit(node.process)
     assert recordings.start("first").success
     recordings.until_failed(small_disk.error)
-    recorded = read(small_disk.path / "first")
+    recorded = read_bag(small_disk.path / "first")
     np.testing.assert_array_equal(np.diff(recorded.steps), 1)
     assert len(recorded) > 5000
     small_disk.free(node.process)
     assert recordings.start("second").success
     recordings.run_on(0.2)
     assert recordings.trigger("stop_recording").success
-    assert len(read(small_disk.path / "second")) > 5000
+    assert len(read_bag(small_disk.path / "second")) > 5000
     assert node.signal(signal.SIGINT) == 0
     assert small_disk.error in node.errors
 
@@ -165,7 +162,7 @@ def test_a_bag_that_is_taken_away_is_told(start, recordings, tmp_path):
     assert recordings.trigger("stop_recording").success
     assert "exists already" in recordings.start("run").message
     recordings.until_failed("not begun: ")
-    assert len(read(tmp_path / "run")) > 5000
+    assert len(read_bag(tmp_path / "run")) > 5000
 
 
 def test_a_killed_node_leaves_all_but_the_last_moment(start, recordings, tmp_path):

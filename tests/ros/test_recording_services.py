@@ -5,11 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.service_calls import assert_gap_free, end
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -52,7 +49,7 @@ def test_recordings_start_split_and_stop_while_it_streams(start, client, service
     end(node)
     assert_gap_free(forces)
 
-    recorded = read(tmp_path / "day 1" / "run")
+    recorded = read_bag(tmp_path / "day 1" / "run")
     assert recorded.steps[0] == first
     np.testing.assert_array_equal(np.diff(recorded.steps), 1)
     received = {chunk.first_step: chunk for chunk in forces}
@@ -60,12 +57,12 @@ def test_recordings_start_split_and_stop_while_it_streams(start, client, service
     np.testing.assert_array_equal(part.wheel_1, recorded.forces[: len(part.wheel_1), 0])
     assert recorded.states[0].first_step == first
     assert recorded.states[-1].revision == 1
-    alone = [read(tmp_path / "day 1" / "run" / file) for file in files]
+    alone = [read_bag(tmp_path / "day 1" / "run" / file) for file in files]
     assert sum(len(part) for part in alone) == len(recorded)
     for part in alone:  # each file tells what it holds
         assert part.states[0].first_step == part.steps[0]
         assert part.states[0].recording == answer.path
-    assert read(unnamed.path).steps[0] == unnamed.first_step > recorded.steps[-1]
+    assert read_bag(unnamed.path).steps[0] == unnamed.first_step > recorded.steps[-1]
 
 
 def test_bags_over_ros_stay_below_the_folder(start, client, services, forces, tmp_path):

@@ -2,14 +2,11 @@
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-pytest.importorskip("rosbag2_interfaces")
-
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 
 def test_tools_that_know_ros2_bag_play(start, client, short_bag):
+    pytest.importorskip("rosbag2_interfaces")
     from builtin_interfaces.msg import Time
     from rosbag2_interfaces import srv
 

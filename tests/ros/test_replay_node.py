@@ -8,9 +8,6 @@ from itertools import pairwise
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.paths import OLD_BAG
 from support.replaying import NODE, Subscriber, by_topic, recorded
 from wheelset_track_sim.cli.run import run
@@ -276,7 +273,7 @@ BAD = {
     "missing": (["nowhere.mcap"], "nowhere.mcap does not exist", 2),
     "rate": (["BAG", "--rate", "-1"], "rate", 2),
     "stamps": (["BAG", "--stamps", "later"], "stamps = later is not known: give one of original, now", 2),
-    "offset": (["BAG", "--start-offset", "5"], "start_offset = 5 s is behind the end of the bag", 2),
+    "offset": (["BAG", "--start-offset", "5"], "start_offset = 5 s is after the end of the bag", 2),
     "prefix": (["BAG", "--prefix", "not a name"], "prefix = not a name", 2),
     "two clocks": (["BAG", "--publish-clock", "--ros-args", "-p", "use_sim_time:=true"], "use_sim_time = true", 2),
     "option": (["BAG", "--speed", "2"], "unrecognized arguments: --speed 2", 2),

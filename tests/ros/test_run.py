@@ -4,13 +4,9 @@ import dataclasses
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.recorder import Recorder
 from wheelset_track_sim.live.run_messages import PAUSED
-from wheelset_track_sim.ros.run import Run
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
@@ -35,7 +31,9 @@ def recorder(monkeypatch, run_info):
 
 @pytest.fixture
 def run(recorder):
-    return Run(Simulator(load_scenario("undamaged")), Outlet(), Outlet(), recorder, None, None, None)
+    from wheelset_track_sim.ros.run import NodeRun
+
+    return NodeRun(Simulator(load_scenario("undamaged")), Outlet(), Outlet(), recorder, None, None, None)
 
 
 def test_a_run_that_is_over_begins_no_recording(run, recorder, tmp_path):

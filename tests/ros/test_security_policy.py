@@ -6,9 +6,6 @@ import pytest
 
 from support.paths import ROOT
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 POLICY = ROOT / "config" / "sros2" / "policy.xml"

@@ -9,11 +9,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from support.service_calls import SIZE_B, assert_gap_free, end, first_of, item
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.tread_damage import MOST
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import load_scenario, scenario_from
@@ -278,7 +275,7 @@ def test_reset_begins_a_new_run_with_what_is_in_force(start, client, services, f
     client.until(lambda: states[-1].recording == str(tmp_path / "run_3"))
     end(node)
     for name, digest in (("run", None), ("run_2", begun.digest), ("run_3", begun.digest)):
-        recorded = read(tmp_path / name)
+        recorded = read_bag(tmp_path / name)
         np.testing.assert_array_equal(recorded.steps, np.arange(len(recorded)))
         assert digest in (None, recorded.info.digest)
 

@@ -5,9 +5,6 @@ import signal
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 from wheelset_track_sim.bags import Bag
 from wheelset_track_sim.twin import resimulate
 

@@ -8,10 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
-from wheelset_track_sim.bags import read
+from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.scenario import load_scenario
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
@@ -45,7 +42,7 @@ def test_ten_seconds_without_gaps_and_the_same_in_the_bag(start, client, tmp_pat
     assert [(item.wheel, item.a, item.b, item.h) for item in states[0].damage] == [(1, 0.030, 0.024, 0.002)]
     assert states[0].recording == str(tmp_path / "run")
 
-    recorded = read(tmp_path / "run")
+    recorded = read_bag(tmp_path / "run")
     assert recorded.steps[0] == 0
     assert len(recorded) >= forces[-1].first_step + len(forces[-1].wheel_1)
     first = forces[0].first_step
@@ -70,7 +67,7 @@ def test_run_of_given_duration_ends_by_itself(start, tmp_path):
         record__name="short",
     )
     assert node.wait() == 0, node.errors
-    assert len(read(tmp_path / "short")) == round(0.4 / PERIOD)
+    assert len(read_bag(tmp_path / "short")) == round(0.4 / PERIOD)
 
 
 def test_signal_closes_the_bag(start, client, tmp_path, stop_signal):
@@ -78,7 +75,7 @@ def test_signal_closes_the_bag(start, client, tmp_path, stop_signal):
     node = start(scenario="undamaged", record__on_start="true", record__directory=tmp_path, record__name="cut")
     client.until(lambda: len(forces) >= 3)
     assert node.signal(stop_signal) == 0, node.errors
-    recorded = read(tmp_path / "cut")
+    recorded = read_bag(tmp_path / "cut")
     np.testing.assert_array_equal(np.diff(recorded.steps), 1)
     assert len(recorded) >= forces[-1].first_step + len(forces[-1].wheel_1)
     assert "Traceback" not in node.errors

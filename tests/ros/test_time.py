@@ -7,9 +7,6 @@ from itertools import pairwise
 
 import pytest
 
-pytest.importorskip("rclpy")
-pytest.importorskip("wheelset_track_msgs")
-
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 CHUNK = 0.05

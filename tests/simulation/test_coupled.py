@@ -35,7 +35,7 @@ def run(models, law, chunk, steps=400, raised=1.0):
     preload = models.dynamics.preload(load, scenario.step_length, speed)
     preload = preload + approach_for_force(models.contact_law(()), 0, 0, 0, raised * load)
     coupled = Coupled(models, load, 0, speed)
-    condition = Condition(Revision(0, 0), scenario, with_own_state(law), preload)
+    condition = Condition(Revision(0, 0), scenario, with_own_state(law), preload, 0, models.tread_origin)
     found = []
     while coupled.next_step < steps:
         count = min(chunk, steps - coupled.next_step)
@@ -93,7 +93,7 @@ def test_a_speed_that_changes_where_tables_end_keeps_its_step(models):
     found = []
     for each in (law, law._replace(first_point=np.array([0, 2]), points=law.points[:2].copy())):
         coupled = Coupled(models, load, 0, speed)
-        condition = Condition(Revision(0, 0), replace(scenario), each, preload)
+        condition = Condition(Revision(0, 0), replace(scenario), each, preload, 0, models.tread_origin)
         parts = [coupled.run(condition, v, np.tile(preload, (n, 1)))[0] for v, n in ((speed, 50), (0.9 * speed, 60))]
         found.append(np.concatenate(parts))
     np.testing.assert_allclose(found[0], found[1], rtol=1e-8)

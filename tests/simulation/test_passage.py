@@ -4,8 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.contact import ContactGeometry, build_contact_law
+from wheelset_track_sim.contact.law import rolling_surfaces
 from wheelset_track_sim.irregularities import Breakout, Harmonic, HeadDefect, Polygon
-from wheelset_track_sim.simulation.passage import differences, passage
+from wheelset_track_sim.simulation.passage import differences, faded, passage
 
 TURN, ORIGIN, LINE = 2713, 1800, 5000
 
@@ -15,7 +16,7 @@ def law(*shapes):
 
 
 def polygon(amplitude):
-    return Polygon("wheel_1", (Harmonic(2, amplitude),))
+    return Polygon("wheel_1", (Harmonic(2, abs(amplitude), 0.0 if amplitude > 0 else np.pi),))
 
 
 SMOOTH = law()
@@ -33,13 +34,12 @@ def blocked(before, after, step):
 
 def test_blocked_is_the_defect_and_half_the_contact_area_to_either_side():
     reach = 29 + len(SIZE_C.x) // 2  # at 30 mm from the centre the height is 0 again
-    found = passage(SMOOTH, SIZE_C, ORIGIN - reach, ORIGIN)
-    assert found == (ORIGIN + reach + 1, True)
-    assert passage(SMOOTH, SIZE_C, ORIGIN - reach - 1, ORIGIN) == (ORIGIN - reach - 1, True)
+    assert passage(SMOOTH, SIZE_C, ORIGIN - reach, ORIGIN) == ORIGIN + reach + 1
+    assert passage(SMOOTH, SIZE_C, ORIGIN - reach - 1, ORIGIN) == ORIGIN - reach - 1
 
 
 def test_the_same_law_never_waits():
-    assert passage(ROUND, ROUND, ORIGIN, ORIGIN) == (ORIGIN, True)
+    assert passage(ROUND, ROUND, ORIGIN, ORIGIN) == ORIGIN
 
 
 @pytest.mark.parametrize(
@@ -48,8 +48,7 @@ def test_the_same_law_never_waits():
 )
 @given(earliest=st.integers(0, 20_000))
 def test_it_waits_for_the_first_clear_step_and_no_longer(before, after, earliest):
-    step, clear = passage(before, after, earliest, ORIGIN)
-    assert clear
+    step = passage(before, after, earliest, ORIGIN)
     assert step - earliest < 300
     assert not blocked(before, after, step)
     assert step == earliest or blocked(before, after, step - 1)
@@ -58,16 +57,31 @@ def test_it_waits_for_the_first_clear_step_and_no_longer(before, after, earliest
 def test_what_stays_as_it_is_does_not_count():
     """A defect changes beside a polygon that never leaves the patch: only the defect is waited for."""
     before, after = law(polygon(1e-5)), law(polygon(1e-5), Breakout("wheel_1", 0.030, 0.024, 0.002))
-    step, clear = passage(before, after, ORIGIN, ORIGIN)
-    assert clear
-    assert ORIGIN < step < ORIGIN + 100
-    assert passage(before, after, ORIGIN + 500, ORIGIN) == (ORIGIN + 500, True)
+    assert ORIGIN < passage(before, after, ORIGIN, ORIGIN) < ORIGIN + 100
+    assert passage(before, after, ORIGIN + 500, ORIGIN) == ORIGIN + 500
 
 
 @given(earliest=st.integers(0, 20_000))
-def test_what_is_always_in_the_patch_changes_within_a_turn_where_it_differs_least(earliest):
-    step, clear = passage(SMOOTH, ROUND, earliest, ORIGIN)
-    assert not clear
-    assert 0 <= step - earliest < TURN
-    # A polygon of second order has four places of no height.
-    assert abs(ROUND.tread[0, (step - ORIGIN) % TURN, 0]) < 1e-7
+def test_what_is_always_in_the_patch_does_not_wait(earliest):
+    assert passage(SMOOTH, ROUND, earliest, ORIGIN) is None
+
+
+@given(first=st.integers(-20_000, 20_000))
+def test_a_fade_begins_with_the_old_surfaces_and_ends_with_the_new_ones(first):
+    """Row by row, at the wheel and at the rail; in the middle of it they are the mean of both."""
+    geometry, steps = ContactGeometry(), 400
+    shapes = (polygon(2e-5), HeadDefect("rail_1", 3.0, 0.030, 0.020, 0.001)), (polygon(-1e-5),)
+    old, new = (rolling_surfaces(each, geometry, 1e-3, TURN, LINE) for each in shapes)
+    found = faded(old, new, first, steps, ORIGIN)
+    row_0 = first - len(found.x)
+
+    def heights(surfaces, step):
+        return surfaces.treads[0][(step - ORIGIN) % TURN] + surfaces.rails[0].all()[step % LINE]
+
+    assert len(found.treads[0]) == steps + 2 * len(found.x)
+    for step, of in ((row_0, old), (first, old), (first + steps, new), (first + steps + len(found.x) - 1, new)):
+        np.testing.assert_array_equal(found.treads[0][step - row_0], heights(of, step))
+    middle = first + steps // 2
+    mean = (heights(old, middle) + heights(new, middle)) / 2
+    np.testing.assert_allclose(found.treads[0][middle - row_0], mean, atol=1e-18)
+    assert not found.rails[0].all().any()

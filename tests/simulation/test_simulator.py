@@ -114,7 +114,7 @@ def test_a_settled_state_is_kept_and_started_from_again(smooth: Simulator) -> No
 def test_treads_differ_from_one_settled_state(name: str) -> None:
     plain = Simulator(load_scenario(name))
     settled = plain.settle()
-    changes = ["irregularities=[{type: breakout, on: wheel_1, a: 0.02, b: 0.01, h: 0.001}]"]
+    changes = ["irregularities=[{type: breakout, on: wheel_1, a: 0.02, b: 0.01, h: 0.001}]", "settle_on=smooth"]
     damaged = load_scenario(name, changes)
     begun = Simulator(damaged, models=plain.models)
     begun.settle(settled)
@@ -126,6 +126,9 @@ def test_a_settled_state_of_another_run_is_refused(smooth: Simulator) -> None:
     heavier = Simulator(load_scenario("undamaged", ["axle_load=220e3"]), models=smooth.models)
     with pytest.raises(InputError, match=r"wheel_load = 98100, the run 110000: settle it anew"):
         heavier.settle(settled)
+    rough = load_scenario("undamaged", ["irregularities=[{type: flat, on: wheel_1, length: 0.05}]"])
+    with pytest.raises(InputError, match="of a run on other surfaces: settle it anew"):
+        Simulator(rough, models=smooth.models).settle(settled)
     with pytest.raises(InputError, match="belongs to other models"):
         Simulator(load_scenario("undamaged")).settle(settled)
     smooth.advance(1)

@@ -45,7 +45,7 @@ def whole() -> list[SampleBlock]:
     return eventful(1389)
 
 
-@pytest.mark.parametrize("chunk", [1, 32])
+@pytest.mark.parametrize("chunk", [pytest.param(1, marks=pytest.mark.slow), 32])
 def test_any_chunk_length_gives_the_same_bits_through_a_ramp(whole: list[SampleBlock], chunk: int) -> None:
     other = eventful(chunk)
     assert np.array_equal(joined(other), joined(whole))

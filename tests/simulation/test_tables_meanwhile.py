@@ -74,7 +74,14 @@ OVERLAPPING = Breakout("wheel_1", **SMALL), Breakout("wheel_1", 0.004, 0.004, 0.
 BOTH_WHEELS = Breakout("wheel_1", **SMALL), Breakout("wheel_2", 0.005, 0.004, 0.0003, angle=0.004, y=-0.001)
 
 
-@pytest.mark.parametrize("defects", [OVERLAPPING, BOTH_WHEELS, OVERLAPPING + BOTH_WHEELS[1:]])
+@pytest.mark.parametrize(
+    "defects",
+    [
+        pytest.param(OVERLAPPING, marks=pytest.mark.slow),
+        BOTH_WHEELS,
+        pytest.param(OVERLAPPING + BOTH_WHEELS[1:], marks=pytest.mark.slow),
+    ],
+)
 def test_overlapping_defects_and_defects_of_both_wheels_come_as_the_solver_has_them(
     smooth: Simulator, defects: tuple[Breakout, ...]
 ) -> None:

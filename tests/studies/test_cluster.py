@@ -10,16 +10,13 @@ import pytest
 
 from wheelset_track_sim.cli import main
 
-pytestmark = pytest.mark.slow
-
-distributed = pytest.importorskip("distributed")
-
 EVALUATE = "wheelset_track_sim.studies.evaluate"
 
 
 @pytest.fixture
 def cluster(tmp_path):
     """Address of a scheduler with two workers."""
+    distributed = pytest.importorskip("distributed")
     contact = tmp_path / "scheduler.json"
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
     options: Any = {"stdout": subprocess.DEVNULL, "stderr": (tmp_path / "dask.log").open("w"), "env": environment}
@@ -47,6 +44,7 @@ def cluster(tmp_path):
         options["stderr"].close()
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_table_as_this_machine(cluster, small, study_file, tmp_path, capsys) -> None:
     address, client = cluster
     path = study_file(small)
@@ -60,6 +58,7 @@ def test_a_cluster_gives_the_same_table_as_this_machine(cluster, small, study_fi
     assert list(client.run(worked).values()) == [True, True]
 
 
+@pytest.mark.slow
 def test_a_failing_run_on_a_cluster_is_told(cluster, small, study_file, tmp_path, capsys) -> None:
     deep = [{"type": "breakout", "on": "wheel_1", "a": 0.03, "b": 0.024, "h": 0.01}] * 100
     small["vary"] = {"case": {"good": {}, "far too deep": {"irregularities": deep}}}
@@ -70,6 +69,7 @@ def test_a_failing_run_on_a_cluster_is_told(cluster, small, study_file, tmp_path
 
 
 def test_no_scheduler_is_told_in_one_line(small, study_file, tmp_path, capsys, monkeypatch) -> None:
+    pytest.importorskip("distributed")
     monkeypatch.setattr("wheelset_track_sim.studies.workers.CONNECT", "1s")
     arguments = ["study", study_file(small), "--out", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:9"]
     assert main(arguments) == 2

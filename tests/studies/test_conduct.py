@@ -19,8 +19,6 @@ from wheelset_track_sim.studies.evaluate import evaluate, program
 from wheelset_track_sim.studies.store import Store
 from wheelset_track_sim.studies.study import load_study
 
-pytestmark = pytest.mark.slow
-
 TOO_DEEP = [{"type": "breakout", "on": "wheel_1", "a": 0.03, "b": 0.024, "h": 0.01}] * 100
 
 
@@ -34,6 +32,7 @@ def conducted(small, study_file, tmp_path):
     return study, *conduct("small", study, study.runs(), tmp_path / "out", Resources(workers=1))
 
 
+@pytest.mark.slow
 def test_a_run_is_what_the_simulator_gives_over_the_window(conducted) -> None:
     _, results, there = conducted
     assert there == 0
@@ -48,6 +47,7 @@ def test_a_run_is_what_the_simulator_gives_over_the_window(conducted) -> None:
     assert results.value(0, "wheels.wheel_1.max_force") < 1.1 * 98.1e3 < results.value(1, "wheels.wheel_1.max_force")
 
 
+@pytest.mark.slow
 def test_finished_runs_are_taken_damaged_and_changed_ones_done_again(conducted, small, study_file, tmp_path) -> None:
     study, results, _ = conducted
     out = tmp_path / "out"
@@ -97,6 +97,7 @@ def test_another_program_is_refused(small, study_file) -> None:
         evaluate(load_study(study_file(small)).runs()[0].job, "another")
 
 
+@pytest.mark.slow
 def test_a_failing_run_is_told_with_its_place_and_the_others_are_kept(small, study_file, tmp_path, capsys) -> None:
     small["vary"] = {
         "case": {"good": {}, "far too deep": {"irregularities": TOO_DEEP}, "smooth": {"irregularities": []}}
@@ -119,6 +120,7 @@ def test_a_failing_run_is_told_with_its_place_and_the_others_are_kept(small, stu
     assert [row.split(",")[2] == "nan" for row in rows[1:]] == [False, True, False]
 
 
+@pytest.mark.slow
 def test_a_study_stopped_by_kill_9_goes_on_where_it_was(small, study_file, tmp_path) -> None:
     small["vary"]["irregularities.0.h"] = [0.0, 0.0001, 0.0002, 0.0003]
     small["window"]["after"] = 30.0

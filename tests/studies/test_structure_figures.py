@@ -25,11 +25,9 @@ from wheelset_track_sim.studies import (
 from wheelset_track_sim.track.balance import moving_track
 from wheelset_track_sim.track.ring import track_ring
 from wheelset_track_sim.track.track import load_track
-from wheelset_track_sim.wheelset.kinds import load_wheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, with_geometry
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import mode_shapes, reduced_wheelset
-
-pytestmark = pytest.mark.slow
 
 SCENARIO = load_scenario("undamaged")
 FIGURES = {
@@ -77,9 +75,10 @@ def drawn(tmp_path_factory) -> Drawn:
 
 @pytest.fixture(scope="module")
 def reduced() -> ReducedWheelset:
-    return reduced_wheelset(load_wheelset(SCENARIO.wheelset))
+    return reduced_wheelset(with_geometry(SCENARIO.wheelset))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", FIGURES, ids=lambda module: module.__name__.rpartition(".")[2])
 def test_files_are_written_and_legible(module, drawn) -> None:
     paths, (names, texts) = drawn(module), FIGURES[module]
@@ -100,6 +99,7 @@ def test_files_are_written_and_legible(module, drawn) -> None:
     assert all(isinstance(stage, str) and 0 <= fraction <= 1 for stage, fraction in told)
 
 
+@pytest.mark.slow
 def test_wheelset_stands_on_its_springs(drawn) -> None:
     """Statics of a rigid body on two springs, which the wheelset's own flexibility exceeds by one or two per cent."""
     table = drawn.table(wheelset_receptances, "wheelset_receptances")
@@ -115,6 +115,7 @@ def test_wheelset_stands_on_its_springs(drawn) -> None:
     assert phase.max() < 0.01
 
 
+@pytest.mark.slow
 def test_stress_peaks_at_the_bending_modes(drawn) -> None:
     table = drawn.table(wheelset_receptances, "axle_stress_response")
     frequency, stress = table["frequency (Hz)"], table["sigma_yy A1 load on wheel 1 magnitude (Pa/N)"]
@@ -125,6 +126,7 @@ def test_stress_peaks_at_the_bending_modes(drawn) -> None:
     assert both * SCENARIO.wheel_load == pytest.approx(65.8e6, rel=0.03)
 
 
+@pytest.mark.slow
 def test_no_peak_falls_between_frequencies(drawn, reduced) -> None:
     stress = drawn.table(wheelset_receptances, "axle_stress_response")["sigma_yy A1 load on wheel 2 magnitude (Pa/N)"]
     fine = reduced.stress_receptance(np.linspace(406.5, 407.5, 5001))[:, 0, 1, 1]
@@ -147,6 +149,7 @@ def test_labels_of_neighbouring_peaks_stand_apart() -> None:
         assert not box.overlaps(other)
 
 
+@pytest.mark.slow
 def test_green_functions_of_the_wheelset(drawn) -> None:
     table = drawn.table(wheelset_receptances, "wheelset_green_functions")
     assert table["time (s)"][-1] == pytest.approx(1.0, abs=4e-5)
@@ -162,6 +165,7 @@ def test_green_functions_of_the_wheelset(drawn) -> None:
         assert area == pytest.approx(static[f"{first} magnitude (m/N)"][0], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_modes_of_figure_12(drawn) -> None:
     table = drawn.table(wheelset_modes, "wheelset_modes")
     titles = [title for title in table if title.startswith("u_r")]
@@ -176,6 +180,7 @@ def test_modes_of_figure_12(drawn) -> None:
         assert (np.diff(np.sign(bent)) != 0).sum() >= fewest  # nodes between the wheels
 
 
+@pytest.mark.slow
 def test_the_mode_is_the_one_that_the_stress_answers_to(reduced) -> None:
     _, found = mode_shapes(load_wheelset("x40"), 2400)
     near = wheelset_modes.decisive_mode(found, reduced, "A1", 1800)
@@ -186,6 +191,7 @@ def test_the_mode_is_the_one_that_the_stress_answers_to(reduced) -> None:
         wheelset_modes.decisive_mode(found, reduced, "A1", 1e5)
 
 
+@pytest.mark.slow
 def test_track_statics_and_resonances(drawn) -> None:
     table = drawn.table(track_receptances, "track_receptances")
     for place, static in (("above a sleeper", 1.112e-8), ("mid-bay", 1.144e-8)):
@@ -214,6 +220,7 @@ def test_pinned_pinned_frequency_by_its_closed_form() -> None:
     assert track_receptances.pinned_pinned(track) == pytest.approx(1073, rel=0.01)
 
 
+@pytest.mark.slow
 def test_finite_elements_beside_the_waves(drawn) -> None:
     table = drawn.table(track_receptances, "track_receptances_by_finite_elements")
     low = table["frequency (Hz)"] < 300
@@ -222,6 +229,7 @@ def test_finite_elements_beside_the_waves(drawn) -> None:
         np.testing.assert_allclose(elements[low], waves[low], rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_moving_green_functions_of_both_dynamics(drawn) -> None:
     table = drawn.table(moving_green_functions, "moving_green_functions")
     dt = table["time (s)"][1]
@@ -258,6 +266,7 @@ def test_the_impulse_is_that_of_the_coupled_step(start, reduced) -> None:
     assert 0.3 < rails.loaded[0] / rails.loaded[1] < 1.5
 
 
+@pytest.mark.slow
 def test_a_scenario_of_ones_own(tmp_path) -> None:
     """Another band and another node stand in figures and tables."""
     mine: Scenario = replace(SCENARIO, max_frequency=1000.0, output=Output(("C1",)))

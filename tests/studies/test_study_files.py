@@ -1,5 +1,4 @@
 import dataclasses
-from importlib.util import find_spec
 
 import pytest
 
@@ -7,9 +6,8 @@ from support.paths import ROOT
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario, scenario_from
-from wheelset_track_sim.studies.registry import FIGURES
 from wheelset_track_sim.studies.results import published
-from wheelset_track_sim.studies.study import load_study
+from wheelset_track_sim.studies.study import FIGURES, load_study
 
 RUNS = {
     "time_history": 1,
@@ -39,11 +37,6 @@ def test_shipped_studies_load_and_all_their_scenarios_check(name: str, dynamics:
     scenario_from(study.base([f"dynamics={dynamics}"]))
     assert len({run.label for run in runs}) == len(runs)
     assert len({run.job.digest() for run in runs}) == len(runs)
-
-
-def test_registered_figures_exist() -> None:
-    for name, target in FIGURES.items():
-        assert find_spec(target.partition(":")[0]), name
 
 
 def test_load_cases_are_the_shipped_scenarios() -> None:

@@ -48,6 +48,7 @@ def test_moving_response_is_that_of_the_ring(ring, reduced, speed: float, start:
     assert np.abs(found[1] - found[0]).max() < 5e-4 * found[0].max()
 
 
+@pytest.mark.slow
 def test_more_states_err_less_and_statics_stay(ring, reduced) -> None:
     half = ring.symmetric
     static = half.residual - (half.output * half.input / half.poles).real.sum(axis=1)

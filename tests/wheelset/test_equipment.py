@@ -12,14 +12,13 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import spsolve
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.wheelset.equipment import PointMass, Ring
 from wheelset_track_sim.wheelset.harmonic_elements import free_unknowns, stiffness_and_mass
 from wheelset_track_sim.wheelset.harmonics import section_motion
 from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.parts import Material
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
 from wheelset_track_sim.wheelset.section_mesh import divided, grid, joined
-from wheelset_track_sim.wheelset.wheelset import Wheelset
+from wheelset_track_sim.wheelset.wheelset import PointMass, Ring, Wheelset
 
 STEEL = Material(density=7810.0, youngs_modulus=210e9, poissons_ratio=0.3, mass_damping=0.0, stiffness_damping=0.0)
 RADIUS, LENGTH = 0.03, 2.0  # slender: the beam of Euler and Bernoulli serves

@@ -156,6 +156,7 @@ def test_stress_directions_at_the_top() -> None:
     assert around_axle(1, 0.0) @ np.array([0, 0, 0, -1.0, 0, 1.0]) == pytest.approx([0, 0, 0, 0, 0, 1])
 
 
+@pytest.mark.slow
 def test_stored_under_a_digest(x40: Wheelset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("WHEELSET_TRACK_SIM_CACHE", str(tmp_path))
     coarse = replace(x40, mesh=x40.mesh.divided(0.5))
@@ -172,6 +173,7 @@ def test_stored_under_a_digest(x40: Wheelset, tmp_path: Path, monkeypatch: pytes
     assert len(list(tmp_path.glob("wheelset-*.npz"))) == 2
 
 
+@pytest.mark.slow
 def test_same_model_twice(x40: Wheelset) -> None:
     coarse = replace(x40, mesh=x40.mesh.divided(0.5))
     one, two = (build_reduced_wheelset(coarse, max_frequency=600.0) for _ in range(2))
@@ -184,6 +186,7 @@ def test_without_stress_nodes(x40: Wheelset) -> None:
     assert bare.stress_outputs.shape == (0, 6, len(bare.poles))
 
 
+@pytest.mark.slow
 def test_mode_shapes(x40: Wheelset) -> None:
     mesh, shapes = mode_shapes(x40, 500.0)
     assert [found.n for found in shapes] == list(HARMONICS)

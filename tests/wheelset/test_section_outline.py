@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wheelset_track_sim.wheelset.equipment import PointMass, Ring
 from wheelset_track_sim.wheelset.harmonic_elements import solid_mass
 from wheelset_track_sim.wheelset.kinds import load_wheelset, reduce_wheelset
 from wheelset_track_sim.wheelset.mesh import wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.section_outline import section_outline
-from wheelset_track_sim.wheelset.wheelset import Wheelset
+from wheelset_track_sim.wheelset.wheelset import PointMass, Ring, Wheelset
 
 
 def revolved_volume(outline: np.ndarray) -> float:

@@ -1,10 +1,10 @@
 """Runs as MCAP bags: written and read without ROS."""
 
-from .arrays import Recording, blocks, read
 from .bag import Bag
 from .bag_writer import BagWriter
 from .losses import Damage, Gap, Loss
 from .messages import State
+from .run_arrays import Recording, blocks, read_bag
 from .run_info import RunInfo
 from .settings import RecordSettings
 
@@ -19,5 +19,5 @@ __all__ = [
     "RunInfo",
     "State",
     "blocks",
-    "read",
+    "read_bag",
 ]

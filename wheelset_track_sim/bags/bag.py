@@ -15,7 +15,7 @@ from .bag_reader import FORCES, BagReader, Lost
 from .losses import Damage, Gap
 from .messages import State, block_of, start_of, state_of, stress_topic
 from .run_info import RunInfo
-from .window import EVERYTHING, Window
+from .window import EVERYTHING, RunWindow
 
 KINDS = (FORCES, "AxleStress", "SimulationState")
 """Messages that make up a run; all others are derived from them."""
@@ -70,11 +70,13 @@ class Bag:
         """The same, each read when it is needed."""
         return (state_of(message) for message in self.reader.quiet.messages(("SimulationState",)))
 
-    def blocks(self, window: Window = EVERYTHING, nodes: Sequence[str] | None = None) -> Iterator[SampleBlock]:
+    def blocks(self, window: RunWindow = EVERYTHING, nodes: Sequence[str] | None = None) -> Iterator[SampleBlock]:
         """Blocks of the run in their order, as ``events`` yields them."""
         return (event for event in self.events(window, nodes) if isinstance(event, SampleBlock))
 
-    def events(self, window: Window = EVERYTHING, nodes: Sequence[str] | None = None) -> Iterator[SampleBlock | State]:
+    def events(
+        self, window: RunWindow = EVERYTHING, nodes: Sequence[str] | None = None
+    ) -> Iterator[SampleBlock | State]:
         """Blocks, and states between them in the order of the bag; gaps are reported to ``lost``, or rejected.
 
         All blocks that have samples in ``window`` are complete, with all stress nodes or with ``nodes`` in their order;
@@ -158,7 +160,7 @@ class Bag:
             found.append(topic)
         return found
 
-    def nothing(self, window: Window = EVERYTHING) -> RecordingError:
+    def nothing(self, window: RunWindow = EVERYTHING) -> RecordingError:
         """Error for a bag that has no samples in a window."""
         if not window.whole:
             return RecordingError(f"{self.path} holds no samples {window}: info tells what it holds")

@@ -11,7 +11,7 @@ from io import FileIO
 from pathlib import Path
 
 from ..version import __version__
-from .folder_metadata import Part
+from .folder_metadata import BagPart
 from .mcap.writer import McapWriter
 from .topics import Topic
 
@@ -56,14 +56,14 @@ class BagFile:
         return self._mcap.holds_messages
 
     @property
-    def part(self) -> Part:
+    def part(self) -> BagPart:
         """Everything written so far."""
         found = self._mcap.statistics()
         counts: Counter[str] = Counter()
         for topic, channel in self._channels.items():
             counts[topic.name] += found.channel_message_counts.get(channel, 0)
         times = (found.message_start_time, found.message_end_time) if counts.total() else (self.begin_ns,) * 2
-        return Part(self.path.name, *times, counts, self.size)
+        return BagPart(self.path.name, *times, counts, self.size)
 
     def add(
         self,

@@ -24,7 +24,7 @@ from .folder_metadata import missing_files
 from .losses import Damage, Loss
 from .mcap.reader import UNREADABLE, Chunk, McapReader, StoredMessage
 from .run_info import RunInfo
-from .window import EVERYTHING, Window, first_chunk
+from .window import EVERYTHING, RunWindow, first_chunk
 
 DAMAGE = (*UNREADABLE, SerdeError, TypesysError)
 FORCES = "ContactForces"
@@ -108,7 +108,7 @@ class BagReader:
                 if message is not None:
                     yield message
 
-    def stored(self, kinds: Sequence[str], window: Window = EVERYTHING) -> Iterator[Located]:
+    def stored(self, kinds: Sequence[str], window: RunWindow = EVERYTHING) -> Iterator[Located]:
         """All messages of chunks that may hold some of ``kinds`` in the window; every message if samples are wanted.
 
         Raises RecordingError for a bag of several runs, whose messages differ by nothing but their topics.
@@ -164,7 +164,7 @@ class BagReader:
             elif damage.file.endswith(".mcap"):
                 raise RecordingError(f"{self.path}: {damage.file} is missing, which metadata.yaml names: put it back")
 
-    def _chunks(self, window: Window, kinds: Sequence[str]) -> Iterator[tuple[McapReader, Chunk]]:
+    def _chunks(self, window: RunWindow, kinds: Sequence[str]) -> Iterator[tuple[McapReader, Chunk]]:
         """Chunks that may hold messages of some types in a window; those of all samples in the order of the files."""
         places = None if window.whole and FORCES in kinds else self._places(kinds)
         if places is None:

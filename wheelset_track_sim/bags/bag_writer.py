@@ -17,7 +17,7 @@ from ..samples.impacts import Impact
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN, TurnPeaks
 from .bag_file import BagFile
-from .folder_metadata import METADATA, Part, write_folder_metadata
+from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .messages import Message, State, chunk_messages, impact_message, state_again, state_message
 from .run_info import METADATA_NAME, Input, RunInfo
 from .settings import RecordSettings
@@ -130,7 +130,7 @@ class BagWriter(Writer):
         if self._folder is None and self._splits:
             raise InputError(f"{self.path} is a single file, which cannot be split: give a folder, without .mcap")
         self._topics: dict[str, Topic] = {}  # by the names of messages
-        self._parts: list[Part] = []  # that are finished
+        self._parts: list[BagPart] = []  # that are finished
         self._number = 0
         self._flushed_ns = self._end_ns = start_ns
         self._state = state

@@ -70,12 +70,12 @@ class BufferedWriter:
                 self._submit(self._write, together, not patient, size=_size_of(together))
 
     def split(self) -> Future[Path]:
-        """Continue in another file, the result; its errors are those of the writer."""
+        """Continue in another file, the result; it raises the errors of the writer."""
         with self._room:
             return self._submit(self._writer.split)
 
     def snapshot(self) -> Future[Path]:
-        """Write the messages that are kept; the result is the path, its errors are those of the writer."""
+        """Write the messages that are kept; the result is the path, and raises the errors of the writer."""
         with self._room:
             return self._submit(self._writer.snapshot)
 

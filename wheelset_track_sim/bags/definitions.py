@@ -1,6 +1,6 @@
-"""Message definitions without ROS: those of ``wheelset_track_msgs`` in this version, and those stored in a bag.
+"""Message definitions without ROS: ``wheelset_track_msgs`` of this version, and the definitions stored in a bag.
 
-A bag holds the definitions of its messages, which may be older or newer than those of this version. Fields that this
+The definitions in a bag may be older or newer than this version. Fields that this
 version does not have are left out. A field that an older definition lacks gets its value from ``DEFAULTS``; without
 such a value the bag is rejected.
 """
@@ -79,7 +79,7 @@ def typestore() -> Typestore:
 
 @cache
 def schema(kind: str) -> str:
-    """The ``ros2msg`` schema of a message: its definition, then those of all messages within it."""
+    """The ``ros2msg`` schema of a message: its definition, then the definitions of all messages within it."""
     bare, _ = typestore().generate_msgdef(full_name(kind), ros_version=2)
     parts = [texts()[kind]]
     for part in bare.split(SEPARATOR)[1:]:

@@ -19,7 +19,7 @@ VERSION = 9
 
 
 @dataclass(frozen=True)
-class Part:
+class BagPart:
     """One file of a bag: the time stamps of its messages, ns, their number by topic, its size in bytes."""
 
     name: str
@@ -34,7 +34,7 @@ class Part:
         return sum(self.counts.values())
 
 
-def write_folder_metadata(folder: Path, parts: Sequence[Part], topics: Sequence[Topic]) -> None:
+def write_folder_metadata(folder: Path, parts: Sequence[BagPart], topics: Sequence[Topic]) -> None:
     """Write ``metadata.yaml`` of a bag folder with its files; the old one is replaced when the new one is complete."""
     filled = [part for part in parts if part.count] or parts[:1]
     first_ns, last_ns = min(part.first_ns for part in filled), max(part.last_ns for part in filled)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-    from .arrays import Recording
+    from .run_arrays import Recording
 
 ALONG = {"step": "", "position": "m", "speed": "m/s", "revision": ""}
 """What else every sample has, with its unit."""

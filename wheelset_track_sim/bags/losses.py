@@ -1,4 +1,4 @@
-"""What is missing in a bag, by name."""
+"""Missing and damaged parts of a bag."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Damage:
-    """Bytes of a file that cannot be read, or what else is wrong with it."""
+    """Bytes of a file that cannot be read, or another fault of it."""
 
     file: str
     place: int
@@ -24,7 +24,7 @@ class Damage:
 
     @property
     def what(self) -> str:
-        """Without the file."""
+        """Description without the name of the file."""
         return f"bytes {self.place} to {self.end - 1}: {self.reason}" if self.end > self.place else self.reason
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""From blocks of samples to the plain fields of messages: the one place that knows both, for bags and for the node."""
+"""Turn blocks of samples into messages and back; bags and the node use the same messages."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ class Message:
 
     @cached_property
     def cdr(self) -> bytes:
-        """What goes over the wire and into the bag: the same bytes, made once."""
+        """Bytes for the wire and for the bag, serialised once."""
         return serialise(self.kind, self.fields)
 
     @property
     def end_ns(self) -> int:
-        """Time stamp behind the samples that it counts."""
+        """End of its samples, ns."""
         span: float = self.fields.get("samples", 0) * self.fields.get("step_period", 0.0)
         return self.stamp_ns + round(span / NANOSECOND)
 
     def packed(self) -> Message:
-        """The same with its arrays in ``cdr`` only: who waits for a disk holds them once."""
+        """The same with its arrays in ``cdr`` only, so that messages that wait for a disk hold them once."""
         scalars = {name: value for name, value in self.fields.items() if not isinstance(value, np.ndarray)}
         made = Message(self.topic, self.kind, self.stamp_ns, scalars)
         vars(made)["cdr"] = self.cdr
@@ -59,7 +59,7 @@ class Message:
 
 @dataclass(frozen=True)
 class State:
-    """What is being simulated from a step on: one accepted change, and all that is needed to simulate it again."""
+    """The simulation from a step on: one accepted change, and everything needed to simulate it again."""
 
     first_step: int
     time: float
@@ -85,7 +85,7 @@ class State:
 
 
 def stress_topic(node: str) -> str:
-    """Topic of a stress node: its name in lower case, without what ROS names cannot hold."""
+    """Topic of a stress node: its name in lower case, with an underscore for characters that ROS names cannot hold."""
     return f"axle_stress/{re.sub('[^a-z0-9_]', '_', node.lower())}"
 
 
@@ -149,7 +149,7 @@ def state_message(state: State, start_ns: int) -> Message:
 
 
 def state_again(state: Message, chunk: Message, note: str = "") -> Message | None:
-    """``state`` told again at the first step of a ``chunk``, with a ``note`` on what is before it.
+    """``state`` repeated at the first step of a ``chunk``, with a ``note`` about the steps before it.
 
     None if the chunk is of another revision: the state does not hold there.
     """

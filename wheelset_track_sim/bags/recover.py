@@ -12,7 +12,7 @@ from ..errors import InputError, RecordingError
 from .bag import Bag
 from .bag_file import BagFile
 from .bag_reader import BagReader, beside
-from .folder_metadata import METADATA, Part, write_folder_metadata
+from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .losses import Damage, Gap, Loss
 from .mcap.reader import StoredMessage
 from .topics import Topic
@@ -117,7 +117,7 @@ class _Copy:
         self._folder = path.suffix != ".mcap"
         self._made: list[Path] = []
         self._file: BagFile | None = None
-        self._parts: list[Part] = []
+        self._parts: list[BagPart] = []
         self._topics: dict[str, Topic] = {}
 
     def write(self, messages: Iterable[StoredMessage], info: Metadata | None) -> None:
@@ -176,6 +176,6 @@ def _read_back(path: Path, losses: list[Loss]) -> tuple[int, int, float]:
             first = first if steps else block.first_step
             steps += len(block)
             seconds += len(block) * block.step_period
-    except RecordingError as reason:  # other messages than those of a run are worth saving, too
+    except RecordingError as reason:  # messages that are not of a run are worth saving, too
         losses.append(Damage(path.name, 0, 0, str(reason)))
     return first, steps, seconds

@@ -1,7 +1,7 @@
 """The record of its run in each file of a bag: scenario, versions, digests, and all inputs up to there.
 
-Because each file begins with all inputs so far, a part of a bag, or a recording that was started late, can be simulated
-again from step 0 on just as a complete one.
+Each file begins with all inputs so far. So a part of a bag, or a recording that was started late, can be simulated
+again from step 0 on.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..version import __version__
 
 METADATA_NAME = "wheelset_track_sim"
 CHECKSUM = "crc32"
-"""Key of the record's own checksum: MCAP has none for what stands outside of chunks until the file is closed."""
+"""Key of the record's own checksum: MCAP has none for records outside of chunks until the file is closed."""
 NAMED = {"versions": "version.", "models": "model."}
 """Fields that are mappings, with the prefix of their names in the record."""
 MOST = 10_000

@@ -16,7 +16,7 @@ SHARE = 4
 
 @dataclass(frozen=True)
 class RecordSettings:
-    """Where a bag begins another file, what is removed, what is kept in memory.
+    """Bounds of the files of a bag, and of the messages kept in memory.
 
     Sizes and durations are bounds of files, and 0 is none: a file ends before a chunk that would make it longer than
     ``max_size``, and with ``max_duration``; the oldest files are removed before a chunk that would make all together

@@ -15,7 +15,7 @@ from .settings import SNAPSHOT, RecordSettings
 
 IMPACT = "WheelImpact"
 LATE_NS = SECOND_NS
-"""Time of the run kept in addition to that of a snapshot: an impact is reported when it has ended."""
+"""Time of the run kept beyond ``snapshot_duration``: an impact is reported when it has ended."""
 
 
 class SnapshotWriter(Writer):

@@ -30,7 +30,7 @@ OF_NODE = ("contact_forces", "axle_stress/", "summary", "impacts", "state")
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic as channel and schema of an MCAP file describe it; qualities that a bag lacks are those of the node."""
+    """A topic as channel and schema of an MCAP file describe it; a quality that a bag lacks is as in the node."""
 
     name: str
     type: str
@@ -91,7 +91,7 @@ class Topic:
             store = get_typestore(Stores.EMPTY)
             store.register(self._recorded)
             return bool(store.hash_rihs01(self.type) != known.hash_rihs01(self.type))
-        except (TypesysError, LookupError):  # a definition without those of its parts
+        except (TypesysError, LookupError):  # a definition whose parts are missing
             return False
 
     @property

@@ -1,4 +1,4 @@
-"""Tread damage as messages tell it, both ways."""
+"""Tread damage in messages: encode and decode."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def damage_fields(irregularities: Iterable[Irregularity]) -> tuple[Mapping[str, 
 
 
 def irregularities_of(damage: Sequence[Any]) -> tuple[Breakout, ...]:
-    """Irregularities from messages ``TreadDamage``, without those of depth 0; InputError names the first bad field."""
+    """Irregularities from messages ``TreadDamage``, without any of depth 0; InputError names the first bad field."""
     if len(damage) > MOST:
         raise InputError(f"damage has {len(damage)} entries: give at most {MOST}")
     return tuple(found for found in (_irregularity(index, item) for index, item in enumerate(damage)) if found.h > 0)

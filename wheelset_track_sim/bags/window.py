@@ -1,4 +1,4 @@
-"""Part of a run, and where it begins in bags that have an index."""
+"""A part of a run, and the search for its beginning in bags with an index."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ..samples.block import SampleBlock
 
 
 @dataclass(frozen=True)
-class Window:
-    """From a step and a time on, up to others, which are not in it."""
+class RunWindow:
+    """Samples from a step and a time on, and before others."""
 
     start: float = -math.inf
     """Simulated time, s."""
@@ -62,13 +62,13 @@ class Window:
         return not self.over(block.first_step, block.time) and not self.after(*ends)
 
 
-EVERYTHING = Window()
+EVERYTHING = RunWindow()
 
 
-def first_chunk(count: int, window: Window, sample: Callable[[int], tuple[int, float] | None]) -> int:
-    """Number of a chunk that the window does not begin before, found by looking into few of them.
+def first_chunk(count: int, window: RunWindow, sample: Callable[[int], tuple[int, float] | None]) -> int:
+    """Number of a chunk at or before the beginning of the window, found by bisection.
 
-    ``sample`` tells step and time of the first sample in a chunk, None if it has none.
+    ``sample`` returns step and time of the first sample in a chunk; None if it has none.
     """
     best, low, high = 0, 0, count
     while high - low > 1:

@@ -1,4 +1,4 @@
-"""``info``: what is in a bag."""
+"""``info``: list the contents of a bag."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LONGEST = 60
 
 
 def info(bag: Path, *, json: bool) -> int:
-    """Print what is in a bag; returns the exit status."""
+    """Print the contents of a bag; returns the exit status."""
     found = overview(bag)
     console = terminal()
     if json:
@@ -33,7 +33,7 @@ def info(bag: Path, *, json: bool) -> int:
 
 
 def as_mapping(found: Overview) -> dict[str, Any]:
-    """The object that ``info --json`` prints; null for what the bag does not say."""
+    """The object that ``info --json`` prints; null for values that the bag lacks."""
     summary = found.summary
     return {
         "bag": str(found.path),

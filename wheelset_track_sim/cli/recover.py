@@ -1,4 +1,4 @@
-"""``recover``: a bag that all tools open, made of a damaged one."""
+"""``recover``: write a bag that all tools open from a damaged one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .console import terminal
 
 
 def run_recover(bag: Path, out: Path | None) -> int:
-    """Recover a bag and print what was saved and lost; returns the exit status."""
+    """Recover a bag and print how much was saved and lost; returns the exit status."""
     found = recover(bag, out)
     console = terminal()
     console.print(table(found))
@@ -22,7 +22,7 @@ def run_recover(bag: Path, out: Path | None) -> int:
 
 
 def table(found: Recovered) -> Table:
-    """What was saved, and what is known to be lost."""
+    """Amounts that were saved, and that are known to be lost."""
     shown = Table("", "saved", "lost", title=f"recovered {found.path.name}")
     for column in shown.columns[1:]:
         column.justify = "right"

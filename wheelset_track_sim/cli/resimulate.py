@@ -10,7 +10,7 @@ from rich.table import Table
 
 from ..scenario import WHEELS
 from ..twin import Resimulation, resimulate
-from ..twin.differences import Difference, Place
+from ..twin.differences import Difference, SamplePlace
 from .console import print_object, terminal
 from .progress import shown
 from .run import peaks
@@ -70,7 +70,7 @@ def _difference(of: Difference | None, unit: str) -> dict[str, Any] | None:
     }
 
 
-def _place(of: Place) -> dict[str, Any]:
+def _place(of: SamplePlace) -> dict[str, Any]:
     return {"step": of.step, "time_s": of.time, "position_m": of.position}
 
 

@@ -15,9 +15,8 @@ from ..inputs import shipped
 from ..runtime.progress import Progress
 from ..scenario import Scenario, scenario_from
 from ..studies.conduct import Resources, conduct
-from ..studies.registry import figure
 from ..studies.results import Results
-from ..studies.study import Study, StudyRun, load_study
+from ..studies.study import FIGURES, Study, StudyRun, load_study
 from ..studies.summary_page import write_summary
 from ..studies.tables import Table, tables, write_csv
 from .console import terminal
@@ -94,7 +93,7 @@ def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
         files += drawing.draw(results, task.out)
         progress(f"draw {task.name}", (number + 1) / drawings)
     for name in task.study.figures:
-        files += figure(name)(task.out, task.scenario, progress)
+        files += FIGURES[name](task.out, task.scenario, progress)
     return files + (write_csv(results, task.out) if task.runs else [])
 
 

@@ -6,7 +6,7 @@ The coupled step calls ``contact_force`` of ``law_kernels`` with the law that ``
 from .geometry import ContactGeometry, ProfilePair
 from .hertz import HertzContact
 from .law import build_contact_law
-from .law_kernels import ContactLaw, contact_force, contact_pressure
+from .law_kernels import ContactLaw, contact_force
 from .profiles import Points, RailHead, Straight
 from .solutions import ContactPatch, approach_for_force, force_at, solve_patch
 
@@ -22,7 +22,6 @@ __all__ = [
     "approach_for_force",
     "build_contact_law",
     "contact_force",
-    "contact_pressure",
     "force_at",
     "solve_patch",
 ]

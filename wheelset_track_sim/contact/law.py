@@ -47,7 +47,6 @@ class RollingSurfaces(NamedTuple):
     """A smooth contact that needs a larger approach than these for the same force."""
 
 
-@lru_cache(maxsize=1)
 def rolling_surfaces(
     irregularities: tuple[Irregularity, ...],
     geometry: ContactGeometry,
@@ -59,7 +58,7 @@ def rolling_surfaces(
 ) -> RollingSurfaces:
     """Heights of both treads and rails, and the potential contact area; arguments as of ``build_contact_law``.
 
-    A scenario is checked with it, and its contact law is built from it: the latest one is kept.
+    A scenario is checked with it, and its contact law is built from it: the latest two are kept.
 
     Raises
     ------
@@ -67,6 +66,19 @@ def rolling_surfaces(
         For a grid that makes no sense, for what the irregularities refuse, and for points of a profile that end within
         the potential contact area.
     """
+    return _rolling_surfaces(irregularities, geometry, dx, n_c, rail_steps, dy, largest_force)
+
+
+@lru_cache(maxsize=2)
+def _rolling_surfaces(
+    irregularities: tuple[Irregularity, ...],
+    geometry: ContactGeometry,
+    dx: float,
+    n_c: int,
+    rail_steps: int,
+    dy: float,
+    largest_force: float,
+) -> RollingSurfaces:
     _check(dx, dy, largest_force, rail_steps, n_c)
     # All of the tread that can ever bear lies on the rail head; how much of it depends on the depth of the damage.
     ends = [abs(end - pair.touch) for pair in geometry.pairs for end in pair.span]
@@ -110,9 +122,25 @@ def build_contact_law(
     that is the fastest.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
-    x, y, treads, rails, sharper = rolling_surfaces(
-        tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force
+    surfaces = rolling_surfaces(tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force)
+    return law_of_surfaces(
+        surfaces, geometry, dx, dy=dy, table_force=min(largest_force, TABLE_FORCE), tables=tables, progress=progress
     )
+
+
+def law_of_surfaces(
+    surfaces: RollingSurfaces,
+    geometry: ContactGeometry,
+    dx: float,
+    *,
+    dy: float = ELEMENT_WIDTH,
+    table_force: float = TABLE_FORCE,
+    tables: bool | Literal["smooth"] = True,
+    progress: Progress | None = None,
+) -> ContactLaw:
+    """Contact law of surfaces on elements dx x dy, m; other arguments as of ``build_contact_law``."""
+    x, y, treads, rails, sharper = surfaces
+    n_c = len(treads[0])
     nx, ny = len(x), len(y)
     head = treads[0].shape[1] // 2
     shown = slice(head - ny // 2, head + ny // 2 + 1)
@@ -127,7 +155,6 @@ def build_contact_law(
     table, rail_table, smooth = np.full((2, n_c), -1, np.int32), np.full(rail_row.shape, -1, np.int32), 0
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
     if tables:
-        table_force = min(largest_force, TABLE_FORCE)
         placed = windows(tread, rail_row, rail, separation, sharper.approach(table_force))
         gaps, table, rail_table, smooth = placed
         if tables == "smooth":

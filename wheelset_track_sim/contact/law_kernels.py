@@ -206,16 +206,3 @@ def contact_force(
     if np.isnan(force):
         force = solved_force(law, wheel, tread_index, rail_index, approach, compliance)
     return force
-
-
-@kernel
-def contact_pressure(
-    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
-) -> Real:
-    """Contact pressure, (nx, ny), Pa; NaN if it cannot be solved. Leaves the state of ``law`` as it is."""
-    pressure = np.empty(law.separation.shape[1:])
-    guess = np.zeros(law.separation.shape[1:], np.bool_)
-    force, _, _ = solve_contact(law, wheel, tread_index, rail_index, approach, compliance, guess, pressure)
-    if not np.isfinite(force):
-        pressure[:] = np.nan
-    return pressure

@@ -60,6 +60,9 @@ def solve_patch(
     return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel])
 
 
+NEAR = 1e-9
+"""Share of a force within which an approach bears it."""
+
 _SOLVER: list[Address] = []
 
 
@@ -104,6 +107,7 @@ def approach_for_force(
         return touch
     approach = touch + 1e-6
     low, high = touch, np.inf
+    nearest, error = approach, np.inf
     for _ in range(MOST_STEPS):
         if np.isfinite(high) and high - low <= 1e-2 * (high - touch):
             break
@@ -114,6 +118,8 @@ def approach_for_force(
             high = approach
             approach = 0.5 * (low + high)
             continue
+        if abs(patch.force - force) < error:
+            nearest, error = approach, abs(patch.force - force)
         if patch.force < force:
             low = approach
         # The force is convex in the approach and made of straight pieces: Newton's method ends exactly, from above
@@ -124,6 +130,8 @@ def approach_for_force(
         if abs(step) <= 2 * np.spacing(max(abs(approach), abs(touch), approach - touch)):  # it may be next to zero
             return approach + compliance * force
         approach = approach + step if approach + step < high else 0.5 * (approach + high)
+    if error <= NEAR * force:  # rounding keeps the last step above the bound
+        return nearest + compliance * force
     raise ContactError(
         f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"
     )

@@ -21,7 +21,7 @@ import scipy
 
 from ..runtime.arrays import Real
 from ..runtime.cache import cached
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from ..track.bloch import bloch_track
 from ..track.timoshenko import deflection_row, transfer_matrix
 from ..track.track import HALVES, Half, Track
@@ -86,9 +86,36 @@ def moving_green_functions(
     starts: int = STARTS,
     progress: Progress | None = None,
 ) -> MovingGreenFunctions:
-    """Moving Green's functions at ``speed`` (m/s) with steps of ``dx`` (m), receptances up to ``max_frequency`` (Hz).
+    """Green's functions of the rails for a load that moves along, Eqs (2) and (3), Fig. 8; from the cache if there.
 
-    ``fold`` adds what the band limit puts before t = 0 (``functions.folded``). From the model cache if they are there.
+    Parameters
+    ----------
+    track
+        The track.
+    speed
+        Speed of the load, m/s.
+    dx
+        Step along the rail, m, a whole part of the sleeper spacing.
+    max_frequency
+        Band limit of the receptances, Hz.
+    fold
+        Whether what the band limit puts before t = 0 is added at t > 0.
+    bays, starts
+        Sleeper bays that the load is followed over, and its start positions in a bay.
+    progress
+        Called with stage and fraction.
+
+    Returns
+    -------
+    MovingGreenFunctions
+        ``direct`` and ``cross``, (starts, samples), m/(N s): response of the loaded and of the opposite rail under the
+        moving load.
+
+    Examples
+    --------
+    >>> functions = moving_green_functions(load_track("ballasted_60e1"), 27.7777778, 1e-3, bays=10, starts=4)
+    >>> functions.direct.shape  # 10 bays of 600 steps
+    (4, 6000)
     """
     inputs = track, speed, dx, max_frequency, fold, bays, starts
     return cached("moving-green", MovingGreenFunctions, _functions, *inputs, progress=progress)
@@ -104,7 +131,7 @@ def _functions(
     starts: int,
     progress: Progress | None,
 ) -> MovingGreenFunctions:
-    report = progress or (lambda what, fraction: None)
+    report = progress or unreported
     steps = round(track.spacing / dx)
     df = speed / (PERIOD_SLACK * bays * track.spacing)
     omega = 2.0 * np.pi * df * np.arange(int(max_frequency / df) + 1)

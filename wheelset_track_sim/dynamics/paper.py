@@ -23,7 +23,7 @@ from ..wheelset.reduced import ReducedWheelset
 from .green_functions import folded, frequency_grid, green_function, integrated
 from .moving_green_functions import BAYS, moving_green_functions
 from .paper_kernels import Paper
-from .stress_rows import stress_rows
+from .running_wheelset import stress_rows
 
 WHEEL_PERIOD = 50.0
 """Length of the wheelset's Green's functions, s (Fig. 4)."""

@@ -19,7 +19,7 @@ from ..runtime.arrays import Real
 from ..samples.resampling import band_limited
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
 from .hold import hold
-from .stress_rows import stress_rows
+from .running_wheelset import stress_rows
 
 RATE = 25e3
 """Samples a second with which the wheelset is stepped at least: a wave of 2500 Hz is lower by 3 % then."""

@@ -162,6 +162,10 @@ class RailHeights(NamedTuple):
         """(steps, len(y)), m."""
         return self.heights[self.row]
 
+    def at(self, steps: NDArray[np.int64]) -> Real:
+        """Heights at some steps, (len(steps), len(y)), m."""
+        return self.heights[self.row[steps]]
+
 
 def rail_heights(irregularities: Iterable[Irregularity], rail: str, steps: int, dx: float, y: Real) -> RailHeights:
     """Sum of the heights on ``rail``, which repeats after ``steps``, from position 0 on.

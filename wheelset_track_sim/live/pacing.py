@@ -1,4 +1,4 @@
-"""How a run is cut into chunks and kept at a factor of real time."""
+"""Cut a run into chunks, and keep it at a factor of real time."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class Pace:
 
 
 class Clock(Protocol):
-    """What a run is paced by; it may stand still, and it may be set anew."""
+    """The clock that paces a run; it may stop, and it may be set."""
 
     @property
     def epoch(self) -> int:
-        """Another number each time the clock is set anew: what was due before means nothing then."""
+        """Another number each time the clock is set, which invalidates earlier schedules."""
         ...
 
     def now(self) -> float:
@@ -49,7 +49,7 @@ class Clock(Protocol):
 
 
 class SteadyClock:
-    """Elapsed time of the machine, which nobody sets."""
+    """Elapsed time of the machine, which cannot be set."""
 
     epoch = 0
 
@@ -63,10 +63,10 @@ class SteadyClock:
 
 
 class Pacer:
-    """A schedule at a factor of a clock from the moment it is made; begins anew when the clock is set anew."""
+    """A schedule at a factor of a clock, from now on; it starts again when the clock is set."""
 
     def __init__(self, factor: float, simulated: float, clock: Clock) -> None:
-        """Start at the time ``simulated``, s; a factor of 0 is no pacing at all."""
+        """Start at the simulated time ``simulated``, s; a factor of 0 is no pacing."""
         self._factor, self._clock = factor, clock
         self._reached = simulated
         self._begin()
@@ -87,7 +87,7 @@ class Pacer:
         self._clock.sleep(self._due(simulated), wake)
 
     def now(self) -> float:
-        """Simulated time that is due now, s; without pacing that of the start."""
+        """Simulated time that is due now, s; without pacing, the time of the start."""
         started, first = self._origin
         return first + (self._clock.now() - started) * self._factor
 

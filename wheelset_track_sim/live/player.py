@@ -64,11 +64,11 @@ class MessageSource(Protocol):
 
 @dataclass
 class Punctuality:
-    """How messages kept their times."""
+    """Delays of messages."""
 
     messages: int = 0
     worst: float = 0.0
-    """s behind the schedule."""
+    """Largest delay, s."""
 
     def add(self, lag: float) -> None:
         """One more message."""
@@ -77,15 +77,16 @@ class Punctuality:
 
 
 class Player:
-    """A bag that is played by ``run``, until it ends or ``stop`` is called; all else may be called from any thread.
+    """Plays a bag in ``run``, until it ends or ``stop`` is called; all other methods may be called from any thread.
 
-    ``deliver`` gets each message with the time that has been played until then, ns, which goes on through loops and
-    seeks: messages that follow each other in the bag are apart by as much, and it never goes back. ``moved`` is called
-    before the first message and whenever another part of the bag follows, with its beginning, ns, and the time played
-    until then, ns. ``ended`` is called once, if the player ends by itself: with None, or with what was raised.
+    ``deliver`` is called with each message and the time played so far, ns. That time never goes back: it continues
+    through loops and seeks, and differs between consecutive messages as their times in the bag do. ``moved`` is called
+    before the first message, and whenever another part of the bag follows, with the beginning of the part, ns, and the
+    time played so far, ns. ``ended`` is called once, unless ``stop`` ends the player: with None, or with the exception
+    that was raised.
 
-    What it is told is done between two messages by the thread that runs it, in the order in which it was told; each
-    method returns a future of that, which raises InputError if it cannot be done.
+    Commands are executed between two messages by the thread of ``run``, in their order. Each method returns the future
+    of its command, which raises InputError if it cannot be done.
     """
 
     def __init__(
@@ -97,7 +98,7 @@ class Player:
         ended: Callable[[Exception | None], None],
         clock: Clock | None = None,
     ) -> None:
-        """``clock`` paces the replay, the machine's if None; raises InputError if there is nothing to play."""
+        """``clock`` paces the replay, by default the machine's; raises InputError if there is nothing to play."""
         self._source, self._deliver, self._moved, self._ended = source, deliver, moved, ended
         self._clock = clock or SteadyClock()
         self.loop = playback.loop
@@ -107,23 +108,23 @@ class Player:
         self._end = min(source.end_ns, self._begin + length) if length else source.end_ns
         if self._begin >= self._end:
             raise InputError(
-                f"start_offset = {playback.start_offset:g} s is behind the end of the bag: "
+                f"start_offset = {playback.start_offset:g} s is after the end of the bag: "
                 f"give a time below {(source.end_ns - source.start_ns) / SECOND:g} s"
             )
         self._rate, self._paused = playback.rate, playback.start_paused
-        self._lead = -self._begin  # played time less that of the bag, ns
+        self._lead = -self._begin  # played time less time in the bag, ns
         self._standing = 0  # played time while paused, ns
         self._progress = False  # whether a message has been played since the beginning of the part
         self._stopping = self._over = False
         self._following: Played | None = None
-        self._told: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
-        self._lock = threading.Lock()  # of what it is told
+        self._commands: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
+        self._lock = threading.Lock()  # of the commands
         self._wake = threading.Event()
         self._schedule(0)
 
     @property
     def paused(self) -> bool:
-        """Whether it waits to be told to go on."""
+        """Whether it waits for ``resume``."""
         return self._paused
 
     @property
@@ -137,68 +138,68 @@ class Player:
         return self._reached() - self._lead
 
     def stop(self) -> None:
-        """End ``run`` after the message at hand."""
+        """End ``run`` after the current message."""
         self._stopping = True
         self._wake.set()
 
     def pause(self) -> Future[None]:
-        """Stand after the message at hand."""
-        return self._tell(self._pause)
+        """Pause after the current message."""
+        return self._order(self._pause)
 
     def resume(self) -> Future[None]:
-        """Go on from where it stands."""
-        return self._tell(self._resume)
+        """Continue after a pause."""
+        return self._order(self._resume)
 
     def toggle(self) -> Future[None]:
         """Pause or resume."""
-        return self._tell(lambda: self._resume() if self._paused else self._pause())
+        return self._order(lambda: self._resume() if self._paused else self._pause())
 
     def set_rate(self, rate: float) -> Future[None]:
-        """Go on at another rate; raises InputError for one that is out of range."""
+        """Continue at another rate; raises InputError for one that is out of range."""
         refusal = RATE.refusal("rate", rate)
         if refusal:
             raise InputError(refusal)
-        return self._tell(lambda: self._set_rate(rate))
+        return self._order(lambda: self._set_rate(rate))
 
     def seek(self, time_ns: int) -> Future[None]:
-        """Go on from another time in the bag, ns; raises InputError for one that is not played."""
+        """Continue from another time in the bag, ns; raises InputError for one that is not played."""
         if not self._begin <= time_ns < self._end:
             first, last = ((time - self._source.start_ns) / SECOND for time in (self._begin, self._end))
             wanted = (time_ns - self._source.start_ns) / SECOND
             raise InputError(
                 f"position = {wanted:g} s is out of range: give a time from {first:g} s to before {last:g} s"
             )
-        return self._tell(lambda: self._go_to(time_ns, self._reached()))
+        return self._order(lambda: self._go_to(time_ns, self._reached()))
 
     def restart(self) -> Future[None]:
-        """Go on from the beginning."""
+        """Continue from the beginning."""
         return self.seek(self._begin)
 
     def step(self, chunks: int = 1) -> Future[int]:
-        """While paused, play as many chunks at once, or until the end; how many there were."""
-        return self._tell(lambda: sum(self._burst(until_chunk=True) > 0 for _ in range(chunks)))
+        """While paused, play as many chunks at once, or until the end; returns their number."""
+        return self._order(lambda: sum(self._burst(until_chunk=True) > 0 for _ in range(chunks)))
 
     def burst(self, messages: int = 0) -> Future[int]:
-        """While paused, play as many messages at once, or all if 0; how many there were."""
-        return self._tell(lambda: self._burst(messages or None))
+        """While paused, play as many messages at once, or all if 0; returns their number."""
+        return self._order(lambda: self._burst(messages or None))
 
     def run(self) -> None:
-        """Play in the calling thread; the clock starts now."""
+        """Play in the calling thread; the schedule starts now."""
         failure: Exception | None = None
         try:
             self._play()
-        except Exception as raised:  # noqa: BLE001  handed over to whoever watches the player
+        except Exception as raised:  # noqa: BLE001  passed to ``ended``
             failure = raised
         with self._lock:
             self._over = True
-        self._obey()
+        self._execute()
         if failure is not None or not self._stopping:
             self._ended(failure)
 
     def _play(self) -> None:
         self._go_to(self._begin, 0)
         while not self._stopping:
-            self._obey()
+            self._execute()
             following = self._following
             if self._paused:
                 self._clock.sleep(self._clock.now() + REST, self._wake)
@@ -211,19 +212,19 @@ class Player:
             elif not self._rewind():
                 return
 
-    def _tell(self, action: Callable[[], Any]) -> Future[Any]:
+    def _order(self, action: Callable[[], Any]) -> Future[Any]:
         future: Future[Any] = Future()
         with self._lock:
             if self._over:
                 future.set_exception(_over())
             else:
-                self._told.append((action, future))
+                self._commands.append((action, future))
         self._wake.set()
         return future
 
-    def _obey(self) -> None:
-        while self._told:
-            action, future = self._told.popleft()
+    def _execute(self) -> None:
+        while self._commands:
+            action, future = self._commands.popleft()
             try:
                 if self._over:
                     raise _over()
@@ -271,14 +272,14 @@ class Player:
         self._advance()
 
     def _rewind(self) -> bool:
-        """Begin again, if that is wanted and there is something to play."""
+        """Begin again, if ``loop`` is set and there is something to play."""
         if not (self.loop and self._progress):
             return False
         self._go_to(self._begin, self._due(None), keep=True)
         return True
 
     def _go_to(self, time_ns: int, played_ns: int, *, keep: bool = False) -> None:
-        """What follows is from ``time_ns`` on, when ``played_ns`` have been played; ``keep`` the schedule of that."""
+        """Continue from ``time_ns`` in the bag, when ``played_ns`` have been played; ``keep`` the schedule for that."""
         self._lead = played_ns - time_ns
         self._progress = False
         self._parts = self._source.played(time_ns, self._end)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from ..bags.messages import Message, State, chunk_messages, impact_message, state_message
 from ..bags.run_info import Input, RunInfo
@@ -17,7 +18,7 @@ from ..bags.tread_damage import damage_fields
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
-from ..samples.summary import Summary
+from ..samples.summary import Summary, summarise
 from ..samples.turns import TurnPeaks, TurnWatch
 from ..simulation.simulator import Simulator
 from .stream import Timing
@@ -45,7 +46,7 @@ class BlockMessages:
     """Messages of a block, in their order."""
 
     states: list[Message]
-    """States that come into force with the block, each a group of its own; none if nothing has changed."""
+    """States that begin with the block, each a group of its own; none if nothing has changed."""
     chunk: list[Message]
     """Contact forces, stresses, summary and impacts, which belong together."""
     events: Events
@@ -106,6 +107,13 @@ class RunMessages:
         return [impact_message(impact, self.start_ns) for impact in impacts]
 
 
+class Push(Protocol):
+    """Records the latest block of a simulator."""
+
+    def __call__(self, block: SampleBlock, summary: Summary | None = None) -> None:
+        """``summary`` is that of the block, if it is known already."""
+
+
 @contextmanager
 def record(
     path: str | Path,
@@ -114,19 +122,43 @@ def record(
     start_ns: int = 0,
     settings: RecordSettings | None = None,
     impacts: ImpactSettings | None = None,
-) -> Iterator[Callable[[SampleBlock, Summary], None]]:
-    """Record a simulator from its next block on: call the function that this yields with each block and its summary.
+) -> Iterator[Push]:
+    """Record a simulator from its next block on; a context manager that leaves a readable bag.
 
-    ``start_ns`` is the time stamp of step 0, ns; ``settings`` say how it is recorded, ``impacts`` defines an impact.
-    Raises InputError if the bag exists or cannot be written, RecordingError if the disk refuses later. The bag is
-    readable also after an exception.
+    Parameters
+    ----------
+    path
+        ``FILE.mcap``, or the folder of a bag.
+    simulator
+        The simulator; call what the context manager yields with each of its blocks and, if it is known, its summary.
+    start_ns
+        Time stamp of step 0, ns since the epoch.
+    settings
+        How the run is recorded: bounds, splitting, snapshots.
+    impacts
+        What makes an impact.
+
+    Raises
+    ------
+    InputError
+        If the bag exists or cannot be written.
+    RecordingError
+        If the disk refuses later.
+
+    Examples
+    --------
+    >>> simulator = Simulator(load_scenario("damage_wheel_1"))
+    >>> with record("turn.mcap", simulator) as push:
+    ...     push(simulator.advance(2713))
+    >>> read_bag("turn.mcap").forces.shape
+    (2713, 2)
     """
     run = RunMessages(simulator, start_ns=start_ns, impacts=impacts)
     with writer_of(Path(path), run_info(simulator), settings or RecordSettings(), start_ns=start_ns) as bag:
         bag.write_messages([run.state()])
 
-        def push(block: SampleBlock, summary: Summary) -> None:
-            found = run.push(block, summary)
+        def push(block: SampleBlock, summary: Summary | None = None) -> None:
+            found = run.push(block, summary or summarise(block))
             for each in found.states:
                 bag.write_messages([each])
             bag.write_messages(found.chunk)

@@ -1,4 +1,4 @@
-"""A simulator in a thread of its own that hands over every chunk when it is due."""
+"""Run a simulator in a thread of its own, and deliver every chunk when it is due."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ..samples.block import SampleBlock
 from .pacing import Clock, Pace, Pacer, SteadyClock
 
 
-class Source(Protocol):
-    """What a stream needs of a simulator."""
+class BlockSource(Protocol):
+    """A simulator as a stream uses it."""
 
     @property
     def time(self) -> float:
@@ -31,30 +31,30 @@ class Source(Protocol):
 
 @dataclass(frozen=True)
 class Timing:
-    """How a chunk kept its time."""
+    """Pace of a chunk."""
 
     real_time_factor: float
-    """Simulated over elapsed time since the chunk before, that of the clock which paces it."""
+    """Simulated over elapsed time since the chunk before, by the clock of the stream."""
     lag: float
-    """How far the chunk is behind its schedule, s of that clock."""
+    """Delay of the chunk, s of that clock."""
 
 
 class Stream:
-    """One stretch of a run from ``start`` to ``stop`` or to its end; no sample is lost or handed over twice.
+    """One stretch of a run from ``start`` to ``stop`` or to its end; no sample is lost or delivered twice.
 
-    ``deliver`` is called in the stream's thread for every block. ``ended`` is called there once, if the stream ends by
-    itself: with None at the end of the run, with the exception if simulator or ``deliver`` raised one.
+    ``deliver`` is called in the stream's thread for every block. ``ended`` is called there once, unless ``stop`` ends
+    the stream: with None at the end of the run, or with the exception that the simulator or ``deliver`` raised.
     """
 
     def __init__(
         self,
-        source: Source,
+        source: BlockSource,
         pace: Pace,
         deliver: Callable[[SampleBlock, Timing], None],
         ended: Callable[[Exception | None], None],
         clock: Clock | None = None,
     ) -> None:
-        """``clock`` paces the stream; the machine's if None, and wherever it goes as fast as possible."""
+        """``clock`` paces the stream; without it, or as fast as possible, it is the machine's."""
         self._clock = clock or SteadyClock()
         self._source, self._pace, self._deliver, self._ended = source, pace, deliver, ended
         self._stopping = False
@@ -62,17 +62,17 @@ class Stream:
         self._thread = threading.Thread(target=self._run, name="simulation")
 
     def start(self) -> None:
-        """Begin; the clock starts now."""
+        """Begin; the schedule starts now."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Hand over the chunk at hand at once, and return when the thread has ended; stopping again does nothing."""
+        """Deliver the current chunk at once, and return when the thread has ended; stopping again does nothing."""
         self._stopping = True
         self._wake.set()
         self._thread.join()
 
     def set_pace(self, pace: Pace) -> None:
-        """Go on at another pace, from the next chunk on; the clock starts anew."""
+        """Continue at another pace from the next chunk on, with a new schedule."""
         self._pace = pace
         self._wake.set()
 
@@ -80,7 +80,7 @@ class Stream:
         failure: Exception | None = None
         try:
             self._stream()
-        except Exception as raised:  # noqa: BLE001  handed over to whoever watches the stream
+        except Exception as raised:  # noqa: BLE001  passed to ``ended``
             failure = raised
         if failure is not None or not self._stopping:
             self._ended(failure)

@@ -16,10 +16,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..runtime.arrays import Real
+from .files import write_whole
 from .samples import SampleSeries
 from .survey import Survey
 from .table import description
-from .whole_file import write_whole
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""

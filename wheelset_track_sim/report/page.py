@@ -15,11 +15,10 @@ from ..errors import ContactError, InputError
 from ..scenario import Scenario
 from ..twin.measured import Comparison
 from . import measured, plots, sections
-from .assets import STYLE, asset
 from .contact_map import ContactMap, contact_map
+from .files import STYLE, asset, write_whole
 from .survey import Survey
 from .table import description
-from .whole_file import write_whole
 
 SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'; img-src data:"
 """The browser itself sees to it that the page asks no one for anything."""

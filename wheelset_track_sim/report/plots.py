@@ -30,9 +30,9 @@ from bokeh.palettes import Inferno256
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
-from .assets import asset
 from .contact_map import ContactMap
 from .envelope import drawn
+from .files import asset
 from .samples import WHEELS
 from .spectrum import Spectrum
 from .survey import Survey

@@ -13,6 +13,7 @@ from ..samples.summary import NodeStress, Summary, WheelLoad
 from ..scenario import Scenario
 from ..track.track import load_track
 from ..wheelset.kinds import load_wheelset
+from .samples import SampleSeries
 
 SPEED = 100 / 3.6
 """m/s, Section 5."""
@@ -20,6 +21,8 @@ AXLE_LOAD = 20_000 * 9.81
 """N, Section 5: 20 tonnes."""
 SIZE_C = {"a": 0.030, "b": 0.024, "h": 0.002}
 """Size C of Table 2 with the depth of Section 5.1, m."""
+BAYS = 3
+"""Length of the passage that the paper prints; the damage meets the rail in its middle, as in the studies."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,19 @@ class LoadCase:
     irregularities: tuple[Any, ...]
     printed: Summary
     """The paper's figures in N and Pa; NaN where it prints none."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCasePassage:
+    """The part of a run that is a load case of the paper."""
+
+    case: LoadCase
+    start: float
+    """m"""
+    end: float
+    """m"""
+    summary: Summary
+    samples: SampleSeries
 
 
 def _printed(wheels: Iterable[tuple[float, float]], nodes: Mapping[str, tuple[float, float]]) -> Summary:
@@ -63,3 +79,16 @@ def published_case(scenario: Scenario) -> LoadCase | None:
         and (scenario.wheelset, scenario.track) == (load_wheelset("x40"), load_track("ballasted_60e1"))
     )
     return next((case for case in CASES if paper and case.irregularities == scenario.irregularities), None)
+
+
+def published_passage(scenario: Scenario | None, spacing: float) -> tuple[LoadCase, float, float] | None:
+    """What of a run the paper prints, from and to a position, m; None if it is another case.
+
+    The paper's damage meets the rail once, above a sleeper, and its maxima are those of three sleeper bays (Section
+    5.4). In a longer run the damage comes back at other places of the bay; these passages are not the paper's case.
+    """
+    case = published_case(scenario) if scenario else None
+    if scenario is None or case is None or math.isnan(spacing):
+        return None
+    first = scenario.reference_position - BAYS * spacing / 2
+    return case, first, first + BAYS * spacing

@@ -8,8 +8,8 @@ from datetime import datetime, timezone
 from html import escape
 
 from ..samples.impacts import Impact
-from .assets import PAPER
 from .contact_map import ContactMap
+from .files import PAPER
 from .spectrum import Spectrum
 from .survey import Survey
 from .table import headings, rows, source

@@ -17,16 +17,13 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, combine, summarise
 from ..scenario import Scenario, scenario_from
-from .closeups import Closeup, Closeups
 from .envelope import Bins, Envelope
-from .published import LoadCase, published_case
-from .samples import SampleSeries, joined, samples_of
+from .published import LoadCasePassage, published_passage
+from .samples import Closeup, Closeups, SampleSeries, joined, samples_of
 from .spectrum import Spectrum, Welch
 
 BEFORE, AFTER = 0.9, 1.8
 """Track of a close-up before and after a peak, m: about one turn of the wheel."""
-BAYS = 3
-"""Length of the passage that the paper prints; the damage meets the rail in its middle, as in the studies."""
 AT_ONCE = 2**16
 """Steps of a gap that are passed at once."""
 ROUNDING = 1e-6
@@ -47,19 +44,6 @@ class Peak:
     force: float
     """N"""
     revision: int
-
-
-@dataclass(frozen=True, eq=False)
-class LoadCasePassage:
-    """The part of a run that is a load case of the paper."""
-
-    case: LoadCase
-    start: float
-    """m"""
-    end: float
-    """m"""
-    summary: Summary
-    samples: SampleSeries
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +143,7 @@ class _Collected:
         self._peak: Peak | None = None
         self._speeds: list[tuple[float, float]] = []
         self._steps, self._duration = 0, 0.0
-        passage = _passage(self._scenario, info.sleeper_spacing)
+        passage = published_passage(self._scenario, info.sleeper_spacing)
         self._passage = passage if passage and first.position <= passage[1] + ROUNDING else None
         self._passed: list[tuple[Summary, SampleSeries]] = []
         self._radius, self._threshold = self._scenario.wheelset.rolling_radius if self._scenario else math.nan, math.nan
@@ -293,16 +277,3 @@ def _read(text: str) -> Scenario | None:
         return scenario_from(parse(text, "scenario of the bag"))
     except InputError:
         return None
-
-
-def _passage(scenario: Scenario | None, spacing: float) -> tuple[LoadCase, float, float] | None:
-    """What of a run the paper prints, from and to a position, m; None if it is another case.
-
-    The paper's damage meets the rail once, above a sleeper, and its maxima are those of three sleeper bays (Section
-    5.4). In a longer run the damage comes back at other places of the bay; these passages are not the paper's case.
-    """
-    case = published_case(scenario) if scenario else None
-    if scenario is None or case is None or math.isnan(spacing):
-        return None
-    first = scenario.reference_position - BAYS * spacing / 2
-    return case, first, first + BAYS * spacing

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from rich.table import Table
 
 from ..samples.summary import Summary
-from .survey import LoadCasePassage, Survey
+from .published import LoadCasePassage
+from .survey import Survey
 
 
 @dataclass(frozen=True)

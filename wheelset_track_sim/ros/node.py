@@ -28,7 +28,7 @@ from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
-from .run import Run
+from .run import NodeRun
 from .services import Services
 
 NAME = "wheelset_track_sim"
@@ -70,7 +70,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._time = NodeClock(self, publish=self.parameters["publish_clock"])
         scenario = self.parameters.changed({}, self.parameters.file)
         self.revisions = Revisions(scenario, self.parameters.follow, self._stop_if_interrupted)
-        self.run: Run | None = None
+        self.run: NodeRun | None = None
         """From configuring to cleaning up."""
         self._bag: Path | None = None  # to be opened at step 0
         self._earliest_ns = 0  # time stamp of the next run: stamps do not go back
@@ -195,7 +195,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         else:
             self.needed_run().stand("reset, not active")
 
-    def needed_run(self) -> Run:
+    def needed_run(self) -> NodeRun:
         """The run; raises InputError if there is none."""
         if self.run is None:
             raise InputError("there is no run: configure the node first")
@@ -263,7 +263,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact
-        run = Run(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts)
+        run = NodeRun(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts)
         run.messages.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 

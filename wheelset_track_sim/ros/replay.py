@@ -39,13 +39,13 @@ ANSWER_TIME = 1.0
 
 
 class ReplayNode(Node):  # type: ignore[misc]
-    """A bag that is played: the same topics, types, qualities of service and bytes as those of the recorded node.
+    """A bag that is played with the topics, types, qualities of service and bytes of the recorded node.
 
     Parameters are in ``replay_parameters``, services in ``replay_services``.
     """
 
     def __init__(self, end: Callable[[Exception | None], None], given: Mapping[str, Any], name: str = NAME) -> None:
-        """``given`` are parameters that override those of ROS; ``end`` is called at the end of the bag.
+        """``given`` overrides parameters of ROS; ``end`` is called at the end of the bag.
 
         Raises InputError for parameters that cannot be used, RecordingError for a bag that cannot be played.
         """

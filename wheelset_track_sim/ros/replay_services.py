@@ -1,4 +1,4 @@
-"""Services of the replay node: those of the node that make sense for a bag, and those of ``ros2 bag play``."""
+"""Services of the replay node: pause, resume, steps and seeking, also under the names of ``ros2 bag play``."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ ROSBAG2_PLAYER = "/rosbag2_player"
 
 
 class ReplayServices:
-    """Servers of one node, which answer when what they are asked for is done.
+    """Servers of one node, which answer when a request is done.
 
-    Those of ``ros2 bag play`` are there where its interfaces are installed: PyPI does not have them.
+    The services of ``ros2 bag play`` need its interfaces, which PyPI does not have.
     """
 
     def __init__(self, node: Node, player: Player, position: Callable[[], float], finish: Callable[[], None]) -> None:

@@ -24,7 +24,7 @@ from .monitoring import Monitoring
 from .outputs import Outputs
 
 
-class Run:
+class NodeRun:
     """A simulator that streams or is paused; no sample is lost between the two.
 
     Topics, monitoring, recorder and clock are those of the node, and outlive the run.
@@ -172,7 +172,7 @@ class Run:
         self._outputs.finish()
 
     def _on_end(self, failure: Exception | None) -> None:
-        """In the stream's thread: the run ends by itself, or the simulation fails."""
+        """In the stream's thread: the run ends, or the simulation fails."""
         self._finish()
         if failure is not None:
             self._log.error(f"the simulation stopped: {failure!r}")

@@ -22,7 +22,7 @@ from ..simulation.changes import Revision
 from .answers import Answer, served
 from .conversions import header
 from .parameters import Parameters
-from .run import Run
+from .run import NodeRun
 
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
@@ -37,7 +37,7 @@ class Controlled(Protocol):
     parameters: Parameters
     recorder: Recorder
 
-    def needed_run(self) -> Run:
+    def needed_run(self) -> NodeRun:
         """The run; raises InputError if there is none."""
         ...
 

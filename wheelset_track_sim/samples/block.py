@@ -15,6 +15,12 @@ class SampleBlock:
 
     A simulation, a bag and a replay yield the same blocks. The block length carries no meaning: the same run cut
     differently holds the same numbers, bit by bit.
+
+    Examples
+    --------
+    >>> block = Simulator(load_scenario("undamaged")).advance(1000)
+    >>> len(block), block.nodes, block.forces.shape, block.max_principal.shape
+    (1000, ('A1', 'B1', 'C1'), (1000, 2), (1000, 3))
     """
 
     first_step: int

@@ -76,6 +76,13 @@ class Scenario:
     ------
     InputError
         In one line with the dotted key, for any value that cannot be used, by itself or with the others.
+
+    Examples
+    --------
+    >>> scenario = load_scenario("damage_wheel_1")
+    >>> faster = dataclasses.replace(scenario, name="faster", speed=40.0)
+    >>> faster.track.rail.EI, faster.wheelset.name, faster.irregularities[0].h
+    (6405000.0, 'x40', 0.002)
     """
 
     name: str
@@ -109,6 +116,11 @@ class Scenario:
     """Set points of the speed in the order of their times; a change of ``speed`` during the run ends the plan."""
     step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
 
+    settle_on: Literal["surfaces", "smooth"] = "surfaces"
+    """What the wheels run on before step 0. ``surfaces``: those of the scenario, as in a train that runs for a while.
+    ``smooth``: a defect meets the rail for the first time after step 0, as in the paper (Section 5.1), and always in
+    ``paper`` dynamics."""
+
     max_frequency: float | None = None
     """Band limit, Hz: of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
     6000 of the wheelset and 5000 of the track)."""
@@ -135,7 +147,7 @@ class Scenario:
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
         self._check_speeds()
-        self._check_models()
+        _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)
@@ -165,6 +177,11 @@ class Scenario:
     def tread_origin(self) -> int:
         """Step at which angle 0 of the treads meets the rail."""
         return round(self.reference_position / self.step_length)
+
+    @property
+    def settles_on_surfaces(self) -> bool:
+        """Whether the wheels run on the irregularities of the scenario before step 0."""
+        return self.settle_on == "surfaces" and self.dynamics == "causal"
 
     @property
     def geometry(self) -> ContactGeometry:
@@ -233,21 +250,29 @@ class Scenario:
                     f"a step_length up to {LONGEST_STEP * speed:g} m"
                 )
 
-    def _check_models(self) -> None:
-        dx, bay = self.step_length, self.track.spacing / self.step_length
-        if not _whole(bay):
-            raise InputError(
-                f"step_length = {dx:g} m does not divide the sleeper spacing of {self.track.spacing:g} m: "
-                f"give {_dividing(self.track.spacing, math.ceil(bay))} m"
-            )
-        nodes = [node.name for node in self.wheelset.stress_nodes]
-        for index, node in enumerate(self.output.stress_nodes):
-            if node not in nodes:
-                where = f"output.stress_nodes.{index} = {node!r}"
-                raise InputError(unknown("stress node of this wheelset", where, node, nodes))
-        self.loads.check_against(self.wheelset)
-        self.track.check_step(dx)
-        _ = self.geometry
+
+@lru_cache(maxsize=8)
+def _check_models(
+    wheelset: AnyWheelset,
+    track: Track,
+    loads: Loads,
+    stress_nodes: tuple[str, ...],
+    dx: float,
+) -> None:
+    """Raise InputError for models, loads and stress nodes that do not fit each other."""
+    bay = track.spacing / dx
+    if not _whole(bay):
+        raise InputError(
+            f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
+            f"give {_dividing(track.spacing, math.ceil(bay))} m"
+        )
+    nodes = [node.name for node in wheelset.stress_nodes]
+    for index, node in enumerate(stress_nodes):
+        if node not in nodes:
+            where = f"output.stress_nodes.{index} = {node!r}"
+            raise InputError(unknown("stress node of this wheelset", where, node, nodes))
+    loads.check_against(wheelset)
+    track.check_step(dx)
 
 
 @lru_cache(maxsize=8)

@@ -1,10 +1,11 @@
-"""Changes of a run: accepted whole, put in order, and handed over when they come into force."""
+"""Changes of a run: accepted whole, put in order, and installed when they come into force."""
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ..contact.law_kernels import ContactLaw
@@ -33,8 +34,10 @@ class Condition:
     law: ContactLaw
     preload: Real
     """Approach of each wheel under the static load without dynamics, (2,) m."""
-    clear: bool = True
-    """Whether nothing that changes is in a contact patch when it comes into force."""
+    from_step: int
+    """First step of these surfaces: that of the revision, or the end of the fade to them."""
+    tread_origin: int
+    """Step at row 0 of the law's treads."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ class Changes:
         scenario: Scenario,
         law: ContactLaw,
         preload: Real,
+        fade: Callable[[int], tuple[ContactLaw, int]],
         *,
         not_before: int = 0,
         exactly: bool = False,
@@ -79,29 +83,34 @@ class Changes:
     ) -> Revision:
         """Accept a change, the next in ``number``, for the first step at which it can come into force.
 
-        That is behind the block at hand and all earlier changes, from ``not_before`` on, with no irregularity that
-        changes in a contact patch; if that takes more than a turn of the wheel, where ``passage`` says. At the start
-        (``number`` 0) that wait is shorter. With ``exactly`` it does not wait: an earlier run has made it there.
+        That is after the block at hand and all earlier changes, from ``not_before`` on, where nothing that changes is
+        in a contact patch. If there is no such step within a turn of the wheel, or with ``exactly`` at that very step,
+        the surfaces ``fade``: that makes the contact law of a fade from a step on, and its length in steps. At the
+        start (``number`` 0) the wait is shorter.
         """
         with self._lock:
             last = self._queue[-1] if self._queue else self._in_force
-            earliest = max(self._horizon, last.revision.step, not_before)
-            step, clear = passage(last.law, law, earliest, self._tread_origin)
-            if number == 0 and step - earliest > START * len(law.x):
-                clear = False
-            if exactly:
-                clear = clear and step == earliest
-            if exactly or (number == 0 and not clear):
-                step = earliest
-            revision = Revision(last.revision.number + 1 if number is None else number, step)
-            self._queue.append(Condition(revision, scenario, law, preload, clear))
+            earliest = max(self._horizon, last.from_step, not_before)
+            step = passage(last.law, law, earliest, self._tread_origin)
+            wait = 0 if exactly else START * len(law.x) if number == 0 else math.inf
+            if step is not None and step > earliest + wait:
+                step = None
+            number = last.revision.number + 1 if number is None else number
+            revision = Revision(number, earliest if step is None else step)
+            begin = revision.step
+            if step is None:
+                fading, steps = fade(begin)
+                row_0 = begin - len(fading.x)
+                self._queue.append(Condition(revision, scenario, fading, preload, begin, row_0))
+                begin += steps
+            self._queue.append(Condition(revision, scenario, law, preload, begin, self._tread_origin))
         return revision
 
     def due(self, step: int) -> Iterator[Condition]:
         """Conditions that come into force up to ``step``, one after the other."""
         while True:
             with self._lock:
-                if not self._queue or self._queue[0].revision.step > step:
+                if not self._queue or self._queue[0].from_step > step:
                     return
                 self._in_force = self._queue.popleft()
             yield self._in_force
@@ -109,5 +118,5 @@ class Changes:
     def claim(self, end: int) -> int:
         """The step before ``end``, or ``end``, up to which nothing changes any more: a block runs up to there."""
         with self._lock:
-            self._horizon = min(end, self._queue[0].revision.step) if self._queue else end
+            self._horizon = min(end, self._queue[0].from_step) if self._queue else end
             return self._horizon

@@ -64,7 +64,7 @@ def compile_kernels() -> None:
         nested=(no_nested_contacts(), no_nested_contacts()),
     )
     forces, _ = Coupled(models, 0.0, 0, scenario.speed).run(
-        Condition(Revision(0, 0), scenario, law, np.zeros(2)), scenario.speed, np.zeros((1, 2))
+        Condition(Revision(0, 0), scenario, law, np.zeros(2), 0, 0), scenario.speed, np.zeros((1, 2))
     )
     summarise(SampleBlock(0, 0.0, 1.0, 1.0, 0.0, 0, forces, np.ones((1, len(nodes), 6)), nodes))
     mark_compiled()

@@ -73,7 +73,7 @@ class Coupled:
                     law,
                     solver(law) if solving else None,
                     preload[part],
-                    self.models.tread_origin,
+                    condition.tread_origin,
                     self._next + solved,
                     forces[part],
                     stress[part],

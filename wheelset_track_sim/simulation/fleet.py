@@ -49,6 +49,22 @@ class Fleet:
     """Simulators that go on side by side, as many at a time as there are threads; a context manager.
 
     The kernels of the stepping loop run without the interpreter lock. Each simulator gives the same bits as alone.
+
+    Parameters
+    ----------
+    scenarios
+        One for each wheelset.
+    progress
+        Called with stage and fraction while models are built.
+    threads
+        Number of threads; the number of cores if None.
+
+    Examples
+    --------
+    >>> with Fleet([load_scenario("damage_wheel_1"), load_scenario("undamaged")]) as fleet:
+    ...     first, second = fleet.advance(1000)  # the blocks of each wheelset
+    >>> sum(len(block) for block in first)
+    1000
     """
 
     def __init__(

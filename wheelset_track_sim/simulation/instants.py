@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,7 +18,9 @@ class Contact:
     """0 or 1."""
     step: int
     tread_step: int
-    """Step on the tread, from its angle 0 on."""
+    """Step on the treads of the law, from their row 0 on."""
+    angle: float
+    """Place on the circumference of the wheel that meets the rail there, rad, from 0 to below 2 pi."""
     approach: float
     """Overlap of the nominal surfaces at the middle of the contact, m."""
     law: ContactLaw
@@ -51,11 +52,6 @@ class Instant:
 class WheelContacts(Protocol):
     """A run that hands over the contacts of its latest block, as ``Simulator`` does."""
 
-    @property
-    def steps_per_revolution(self) -> int:
-        """Steps in one turn of the wheel."""
-        ...
-
     def contact(self, wheel: int, row: int) -> Contact:
         """Contact of ``wheel`` (0 or 1) at sample ``row`` of the latest block."""
         ...
@@ -86,7 +82,7 @@ class Contacts:
 
 
 def _instant(run: WheelContacts, block: SampleBlock, wheel: int, row: int) -> Instant:
-    contact, turn = run.contact(wheel, row), run.steps_per_revolution
+    contact = run.contact(wheel, row)
     return Instant(
         contact=contact,
         force=float(block.forces[row, wheel]),
@@ -94,5 +90,5 @@ def _instant(run: WheelContacts, block: SampleBlock, wheel: int, row: int) -> In
         speed=block.speed,
         position=block.position + row * (block.speed * block.step_period),
         revision=block.revision,
-        angle=contact.tread_step % turn * (2 * math.pi / turn),
+        angle=contact.angle,
     )

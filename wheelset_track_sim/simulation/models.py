@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ..contact.geometry import ContactGeometry
-from ..contact.law import build_contact_law
+from ..contact.law import build_contact_law, law_of_surfaces, rolling_surfaces
 from ..contact.law_kernels import ContactLaw
 from ..dynamics.causal import causal_model
 from ..dynamics.interface import DynamicsModel
@@ -29,6 +29,7 @@ from ..track.track import Track
 from ..version import __version__
 from ..wheelset.kinds import AnyWheelset, reduce_wheelset
 from ..wheelset.reduced import ReducedWheelset
+from .passage import FADE, faded
 
 KERNELS = f"{__package__}.compilation"
 """Module that compiles the kernels of a run when it is executed."""
@@ -75,6 +76,29 @@ class Models:
         if not irregularities:
             self._smooth = law
         return with_own_state(law)
+
+    def fade_law(
+        self, before: Scenario, after: Scenario, first: int, speed: float | None = None
+    ) -> tuple[ContactLaw, int]:
+        """Contact law of surfaces that fade from those of ``before`` to those of ``after``, and its length in steps.
+
+        It begins at the step ``first``; row 0 of its treads is ``len(law.x)`` before. It lasts ``FADE`` at ``speed``,
+        m/s, or at the highest speed that the scenarios name: the length does not depend on when a change is accepted.
+        """
+        speeds = (before.speed, after.speed, *(point.speed for point in (*before.speed_plan, *after.speed_plan)))
+        steps = round(FADE * (speed or max(speeds)) / self.step_length)
+        old, new = (
+            rolling_surfaces(
+                each.irregularities,
+                self.geometry,
+                self.step_length,
+                self.steps_per_revolution,
+                line_steps(each.irregularities, each.line_length, self.step_length),
+            )
+            for each in (before, after)
+        )
+        surfaces = faded(old, new, first, steps, self.tread_origin)
+        return law_of_surfaces(surfaces, self.geometry, self.step_length, tables=False), steps
 
     def digest(self, scenario: Scenario) -> str:
         """Digest of a scenario with the content of its models, and of the program's version."""

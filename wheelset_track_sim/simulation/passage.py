@@ -1,25 +1,28 @@
-"""When what changes of treads and rails is in a contact patch, and when a change can come into force."""
+"""When a change of treads and rails can come into force: between two passages of what changes, or by fading.
+
+A defect that changes waits until it is out of the contact patch, which takes a turn of the wheel at most. Roughness
+and polygons never leave the patch. There the surface fades from the old shape to the new one while it rolls: at a step
+``s`` the wheel and the rail have, together, the heights::
+
+    h(s, y) = (1 - w(s)) h_old(s, y) + w(s) h_new(s, y),    w = (1 - cos(pi (s - s_0) / n)) / 2
+
+over the ``n`` steps from ``s_0`` on. Before the fade, and after it, the surfaces are the old and the new ones exactly;
+within it they are between the two, and so, but for its slow rise, are the forces. The contact problem of each step is
+solved as ever: the fade is a contact law of its own, on a tread that is unrolled along the way.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d
 
+from ..contact.law import RollingSurfaces
 from ..contact.law_kernels import ContactLaw
+from ..irregularities import RailHeights
 from ..runtime.arrays import Real
 
-PATCH = 8
-"""Steps to either side of the contact point over which heights are compared where something always differs."""
-
-
-class Passage(NamedTuple):
-    """Where a contact law can take the place of another."""
-
-    step: int
-    clear: bool
-    """Whether nothing that differs is in a patch there."""
+FADE = 0.3
+"""Time over which surfaces fade, s: some periods of the wheelset on the track (40 to 100 Hz), two of its bounce."""
 
 
 def differences(before: ContactLaw, after: ContactLaw, first: int, count: int, tread_origin: int) -> Real:
@@ -39,23 +42,50 @@ def differences(before: ContactLaw, after: ContactLaw, first: int, count: int, t
     return rise
 
 
-def passage(before: ContactLaw, after: ContactLaw, earliest: int, tread_origin: int) -> Passage:
-    """First step from ``earliest`` on with nothing in a patch by which the two laws differ.
+def passage(before: ContactLaw, after: ContactLaw, earliest: int, tread_origin: int) -> int | None:
+    """First step from ``earliest`` on, within a turn of the wheel, with nothing in a patch by which two laws differ.
 
-    If there is none in a turn of the wheel, the change cannot wait for it: then the step in that turn at which the
-    heights, as means over a patch, differ least, of both wheels the one where they differ more.
+    None if there is no such step: then the surfaces have to fade.
     """
     if after is before:
-        return Passage(earliest, clear=True)
+        return earliest
     turn, reach = after.tread.shape[1], max(len(before.x), len(after.x)) // 2
     rise = differences(before, after, earliest - reach, turn + 2 * reach, tread_origin)
     blocked = maximum_filter1d((np.abs(rise) > 1e-15).any(axis=(0, 2)), 2 * reach + 1)[reach : reach + turn]
     clear = np.flatnonzero(~blocked)
-    if len(clear):
-        return Passage(earliest + int(clear[0]), clear=True)
-    middle = rise.shape[2] // 2
-    mean = uniform_filter1d(
-        rise[:, :, middle - PATCH // 2 : middle + PATCH // 2 + 1].mean(axis=2), 2 * PATCH + 1, axis=1
-    )
-    apart = np.abs(mean[:, reach : reach + turn]).max(axis=0)
-    return Passage(earliest + int(np.argmin(apart)), clear=False)
+    return earliest + int(clear[0]) if len(clear) else None
+
+
+def faded(
+    before: RollingSurfaces, after: RollingSurfaces, first: int, steps: int, tread_origin: int
+) -> RollingSurfaces:
+    """Surfaces that go over from ``before`` to ``after`` within ``steps`` from step ``first`` on.
+
+    Parameters
+    ----------
+    before, after
+        Surfaces on the same elements.
+    first, steps
+        Where the fade begins, and its length.
+    tread_origin
+        Step at which angle 0 of the treads meets the rail.
+
+    Returns
+    -------
+    RollingSurfaces
+        Treads unrolled, (steps + 2 margins, m), with the heights of the rails in them; their row 0 is at the step
+        ``first - len(x)``. The rails are smooth.
+    """
+    x, y = max(before.x, after.x, key=len), max(before.y, after.y, key=len)
+    at = np.arange(first - len(x), first + steps + len(x))
+    weight = 0.5 - 0.5 * np.cos(np.pi * np.clip((at - first) / steps, 0.0, 1.0))[:, np.newaxis]
+    treads = []
+    for wheel in range(2):
+        old, new = (
+            surfaces.treads[wheel][(at - tread_origin) % len(surfaces.treads[wheel])]
+            + surfaces.rails[wheel].at(at % len(surfaces.rails[wheel].row))
+            for surfaces in (before, after)
+        )
+        treads.append((1.0 - weight) * old + weight * new)
+    smooth = RailHeights(np.zeros(1, np.int32), np.zeros((1, treads[0].shape[1])))
+    return RollingSurfaces(x, y, (treads[0], treads[1]), (smooth, smooth), after.sharper)

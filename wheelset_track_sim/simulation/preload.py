@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..runtime.arrays import Real
-from .handover import FADE, Handover
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -32,8 +31,6 @@ class Loading:
     """(2,) m, without the changes under way."""
     changes: tuple[tuple[float, Real], ...] = ()
     """Time at which each begins, s since step 0, and what it adds in the end, (2,) m."""
-    handovers: tuple[Handover, ...] = ()
-    """From one contact law to another, that are under way."""
 
     def changed(self, time: float, preload: Real) -> Self:
         """The same with a change that begins at ``time``, s, and leads to ``preload``, (2,) m."""
@@ -42,21 +39,12 @@ class Loading:
             return self
         return replace(self, changes=(*self.changes, (time, added)))
 
-    def raised(self, by: Handover) -> Self:
-        """The same with an approach that is raised for a handover."""
-        return replace(self, handovers=(*self.handovers, by))
-
     def over(self, time: float) -> Self:
         """The same without the changes that are over at ``time``, s: they are settled. It changes no bit."""
         settled, left = self.settled, self.changes
         while left and time - left[0][0] >= RISE:
             settled, left = settled + left[0][1], left[1:]
-        handovers = self.handovers
-        while handovers and time - handovers[0].time >= FADE:
-            handovers = handovers[1:]
-        if left is self.changes and handovers is self.handovers:
-            return self
-        return type(self)(settled, left, handovers)
+        return self if left is self.changes else type(self)(settled, left)
 
     def at(self, times: Real) -> Real:
         """Preload at ``times`` (n,) s: (n, 2) m."""
@@ -64,6 +52,4 @@ class Loading:
         for begin, added in self.changes:
             share = 0.5 - 0.5 * np.cos(np.pi * np.clip((times - begin) / RISE, 0.0, 1.0))
             preload += share[:, np.newaxis] * added
-        for each in self.handovers:
-            preload += each.at(times)
         return preload

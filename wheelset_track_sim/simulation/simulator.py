@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -11,6 +13,7 @@ import numpy as np
 from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import ContactPatch, approach_for_force
 from ..errors import InputError
+from ..irregularities import Irregularity
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
@@ -18,18 +21,32 @@ from ..scenario import Scenario
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
-from .handover import handover
 from .instants import Contact
 from .models import Models, load_models
+from .passage import FADE, passage
 from .preload import Loading
 from .speed import Course, Stretch
 from .superposition import Superposition, followed, superposition
 
 SETTLING = 1.0
-"""Time of smooth running before step 0, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the difference
-between standing and running, which is itself below 1 % of the static load."""
+"""Time of smooth running that a run settles with, s: the suspension's modes (7 and 10 Hz) decay to 1e-4 of the
+difference between standing and running, which is itself below 1 % of the static load."""
+LEAD = 2.0
+"""Time on the scenario's surfaces before step 0, s: the bending of the axle that a defect excites decays meanwhile."""
+LEAD_AFTER_FADE = 0.3
+"""The same on surfaces that never leave the patch, after they have faded in, s: these excite it evenly."""
 
-CHANGEABLE = ("name", "speed", "acceleration", "speed_plan", "axle_load", "irregularities", "line_length", "loads")
+CHANGEABLE = (
+    "name",
+    "speed",
+    "acceleration",
+    "speed_plan",
+    "axle_load",
+    "irregularities",
+    "line_length",
+    "loads",
+    "settle_on",
+)
 """Scenario keys that may change during a run; the models do not depend on them."""
 
 REMEMBERED = 10_000
@@ -45,6 +62,8 @@ class Settling(NamedTuple):
     """The first step after settling."""
     speed: float
     """m/s"""
+    surfaces: tuple[tuple[Irregularity, ...], float | None]
+    """Irregularities, and the length after which those of the rails repeat, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,23 +72,35 @@ class Settled:
 
     under: Settling
     coupled: Coupled
-    forces: Real
-    """Contact forces of the last step, (2,) N."""
 
     def check(self, under: Settling, models: Models) -> None:
         """Raise InputError unless a simulator of ``models`` can begin from it ``under`` these conditions."""
         if self.coupled.models is not models:
             raise InputError("the settled state belongs to other models: hand the same models to the simulator")
-        for name, given, own in zip(Settling._fields, under, self.under, strict=True):
+        for name in ("wheel_load", "step", "speed"):
+            given, own = getattr(under, name), getattr(self.under, name)
             if given != own:
                 raise InputError(f"the settled state has {name} = {own:g}, the run {given:g}: settle it anew")
+        if under.surfaces != self.under.surfaces:
+            raise InputError("the settled state is of a run on other surfaces: settle it anew")
 
 
 class Simulator:
     """One wheelset running along the track, block by block.
 
-    A simulator is constructed, which builds its models; settled, which runs it on smooth treads until it is steady; and
+    A simulator is constructed, which builds its models; settled, which runs it on its surfaces until it is steady; and
     advanced. ``advance`` and ``apply`` may be called from different threads.
+
+    Parameters
+    ----------
+    scenario
+        What is simulated.
+    progress
+        Called with stage and fraction while models are built.
+    models
+        Models of an earlier run, which serve again if nothing but ``CHANGEABLE`` keys differs.
+    start
+        Where a run begins that does not begin with step 0, with its speed and the speed that it approaches.
 
     Examples
     --------
@@ -87,39 +118,39 @@ class Simulator:
         models: Models | None = None,
         start: Stretch | None = None,
     ) -> None:
-        """Load or build the models and the contact of treads and rails; nothing is run yet.
-
-        Parameters
-        ----------
-        scenario
-            What is simulated.
-        progress
-            Called with stage and fraction while models are built.
-        models
-            Models of an earlier run, which serve again if nothing but ``CHANGEABLE`` keys differs.
-        start
-            Where a run begins that does not begin with step 0, with its speed and the speed that it approaches.
-        """
+        """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
         self._start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
-        smooth = self._models.contact_law(())
-        first = Condition(Revision(0, self._start.step), scenario, smooth, self._preload_for(scenario))
-        self._coupled: Coupled | None = None
-        self._loading = Loading(first.preload)
-        self._preload = np.empty((0, 2))
-        self._forces = np.empty(2)
-        self._changes = Changes(first, self._models.tread_origin)
+        self._smooth = self._models.contact_law(())
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
-        self._changes.add(scenario, law, first.preload, number=0)
+        begun = scenario.settles_on_surfaces
+        revision, preload, origin = (
+            Revision(0, self._start.step),
+            self._preload_for(scenario),
+            self._models.tread_origin,
+        )
+        first = Condition(
+            revision, scenario, law if begun else self._smooth, preload, self._start.step, self._models.tread_origin
+        )
+        self._coupled: Coupled | None = None
+        self._loading = Loading(preload)
+        self._preload = np.empty((0, 2))
+        self._changes = Changes(first, origin)
+        if not begun:
+            fade = partial(self._models.fade_law, dataclasses.replace(scenario, irregularities=()), scenario)
+            self._changes.add(scenario, law, preload, fade, number=0)
         self._course = Course((self._start,), scenario.step_length).redirected(
             self._start.step, self._start.set_point, scenario.acceleration, scenario.speed_plan
         )
-        self._history: tuple[Applied, ...] = (Applied(first.revision, scenario, self._start.set_point),)
+        self._first = first
+        self._history: tuple[Applied, ...] = (Applied(revision, scenario, self._start.set_point),)
 
     def settle(self, settled: Settled | None = None) -> Settled:
-        """Run on smooth treads until the run is steady, or begin from a settled state; ``advance`` does it if need be.
+        """Run until the run is steady, or begin from a settled state; ``advance`` does it if need be.
+
+        The run settles on smooth surfaces first and then on those of the scenario, unless its ``settle_on`` is smooth.
 
         Parameters
         ----------
@@ -143,21 +174,42 @@ class Simulator:
         """
         if self._coupled is not None:
             raise ValueError("the run has begun: settle a new simulator")
-        start, first = self._start, self._changes.in_force
-        scenario = first.scenario  # as of the start, whatever has been accepted since
-        of = Settling(scenario.wheel_load, start.step, start.speed)
+        scenario, start = self._first.scenario, self._start
+        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
+        under = Settling(scenario.wheel_load, start.step, start.speed, on)
         if settled is None:
-            steps = round(SETTLING / (scenario.step_length / start.speed))
-            coupled = Coupled(self._models, scenario.wheel_load, start.step - steps, start.speed)
-            preload = np.tile(first.preload, (steps, 1))
-            while coupled.next_step < start.step:  # once; again from a step without solution, which raises
-                forces = coupled.run(first, start.speed, preload[coupled.next_step - start.step :])[0][-1]
-            settled = Settled(of, coupled.copy(), forces)
+            stages = self._settling(under)
+            coupled = Coupled(self._models, scenario.wheel_load, stages[0].from_step, start.speed)
+            for stage, end in zip(stages, [*(each.from_step for each in stages[1:]), start.step], strict=True):
+                while coupled.next_step < end:  # once; again from a step without solution, which raises
+                    coupled.run(stage, start.speed, np.tile(stage.preload, (end - coupled.next_step, 1)))
+            settled = Settled(under, coupled.copy())
         else:
-            settled.check(of, self._models)
+            settled.check(under, self._models)
             coupled = settled.coupled.copy()
-        self._coupled, self._forces = coupled, settled.forces
+        self._coupled = coupled
         return settled
+
+    def _settling(self, under: Settling) -> list[Condition]:
+        """What a run settles on: smooth surfaces, then those of the scenario; each from a step on, up to the next."""
+        first, models, dt = self._first, self._models, self.in_force.step_length / under.speed
+        smooth = dataclasses.replace(first, law=self._smooth, tread_origin=models.tread_origin)
+        lead = 0
+        stages: list[Condition] = []
+        if under.surfaces[0]:
+            turn, origin = models.steps_per_revolution, models.tread_origin
+            lead = max(round(LEAD / dt), turn)
+            clear = passage(self._smooth, first.law, under.step - lead, origin)
+            if clear is None:
+                lead = max(round((FADE + LEAD_AFTER_FADE) / dt), turn)
+                begin = under.step - lead
+                plain = dataclasses.replace(first.scenario, irregularities=())
+                law, steps = models.fade_law(plain, first.scenario, begin, under.speed)
+                row_0, clear = begin - len(law.x), begin + steps
+                stages.append(dataclasses.replace(first, law=law, from_step=begin, tread_origin=row_0))
+            stages.append(dataclasses.replace(first, from_step=clear))
+        begin = under.step - lead - round(SETTLING / dt)
+        return [dataclasses.replace(smooth, from_step=begin), *stages]
 
     @property
     def scenario(self) -> Scenario:
@@ -229,7 +281,9 @@ class Simulator:
         law, approach = self.approach(wheel, row)
         step = self.next_step - len(self.displacements) + row
         bare = law._replace(points=law.points[:0])  # tables take memory, and no part in a solution
-        return Contact(wheel, step, step - self._models.tread_origin, approach, bare)
+        turn = self.steps_per_revolution
+        angle = (step - self._models.tread_origin) % turn * (2 * math.pi / turn)
+        return Contact(wheel, step, step - self._changes.in_force.tread_origin, angle, approach, bare)
 
     def contact_patch(self, wheel: int, row: int) -> ContactPatch:
         """The same, solved for its pressure."""
@@ -248,10 +302,11 @@ class Simulator:
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
         It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
-        changes is in the contact patch; after one turn of the wheel at the latest, with a ``handover`` if it is never
-        out of it. From there on a changed load rises (``loading``), and there the ramps to a changed ``speed`` and
-        torque begin, which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged
-        value, too. With ``exactly`` it does not wait for the contact patch, but comes where it has come before.
+        changes is in the contact patch. If there is none within a turn of the wheel, the surfaces fade (``passage``).
+        From that step on a changed load rises (``preload``), and the ramps to a changed ``speed`` and torque begin,
+        which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged value, too. With
+        ``exactly`` it does not wait for the contact patch, but comes into force at ``not_before``, where it has done so
+        before.
         """
         newest = self._changes.newest
         current = newest.scenario
@@ -271,7 +326,9 @@ class Simulator:
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
-        return self._changes.add(scenario, law, self._preload_for(scenario), not_before=not_before, exactly=exactly)
+        fade = partial(self._models.fade_law, current, scenario)
+        preload = self._preload_for(scenario)
+        return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
 
     def advance(self, steps: int) -> SampleBlock:
         """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
@@ -298,7 +355,6 @@ class Simulator:
         times = on.time + rows * (scenario.step_length / on.speed)
         self._preload = self._loading.at(times)
         forces, stress = coupled.run(condition, on.speed, self._preload, ahead)
-        self._forces = forces[-1]
         # In memory one signal after the other, as who takes them in wants them.
         stresses = np.zeros((len(scenario.output.stress_nodes) * len(COMPONENTS), len(forces)))
         stresses[self._models.dynamics.stress_rows] = stress.T
@@ -329,14 +385,10 @@ class Simulator:
 
     def _install_due(self) -> None:
         """Conditions that are due; course and loading from here on if they are others."""
-        before, time, law = self.in_force, self.time, self._changes.in_force.law
+        before, time = self.in_force, self.time
         self._loading = self._loading.over(time)
         for condition in self._changes.due(self.next_step):
-            if not condition.clear:
-                where = self.next_step, self._models.tread_origin
-                by = handover(law, condition.law, *where, self._forces, time, self.step_period)
-                self._loading = self._loading.raised(by)
-            now, law = condition.scenario, condition.law
+            now = condition.scenario
             if any(getattr(now, key) != getattr(before, key) for key in ("speed", "acceleration", "speed_plan")):
                 set_point = self._course.at(self.next_step).set_point if now.speed_plan else now.speed
                 self._course = self._course.redirected(self.next_step, set_point, now.acceleration, now.speed_plan)

@@ -41,6 +41,55 @@ class Resources:
             raise InputError("--workers is for this machine: a --scheduler has workers of its own")
 
 
+def run_study(
+    study: Study,
+    out: str | Path,
+    changes: Sequence[str] = (),
+    *,
+    resources: Resources | None = None,
+    progress: Progress | None = None,
+) -> Results:
+    """Run a study: simulate what is not stored yet, and return the results of all its runs.
+
+    Parameters
+    ----------
+    study
+        From ``load_study``, or made in Python.
+    out
+        Folder in which finished runs are stored; a run that is there is not simulated again.
+    changes
+        ``key=value`` changes of the base scenario, as with ``--set``.
+    resources
+        Number of worker processes, or a Dask scheduler; one process a core if None.
+    progress
+        Called with stage and fraction.
+
+    Returns
+    -------
+    Results
+        ``value(index, output)`` gives a number of a run, SI; ``failures`` names the runs that failed.
+
+    Raises
+    ------
+    InputError
+        For a change or a folder that cannot be used; nothing has run then.
+
+    Examples
+    --------
+    >>> study = Study(
+    ...     title="Depth",
+    ...     scenario="damage_wheel_1",
+    ...     vary={"irregularities.0.h": [0.0005, 0.002]},
+    ...     outputs=("wheels.wheel_1.max_force",),
+    ... )
+    >>> results = run_study(study, "depths")
+    >>> [round(results.value(run, "wheels.wheel_1.max_force") / 1e3) for run in (0, 1)]  # kN
+    [230, 291]
+    """
+    folder = Path(out)
+    return conduct(folder.name, study, study.runs(changes), folder, resources or Resources(), progress)[0]
+
+
 def conduct(
     name: str, study: Study, runs: Sequence[StudyRun], out: Path, resources: Resources, progress: Progress | None = None
 ) -> tuple[Results, int]:

@@ -58,13 +58,14 @@ class Job:
         return self.scenario.speed / self.scenario.step_length + self.first_step + self.samples
 
     def digest(self) -> str:
-        """Digest of all that changes the result: scenario and content of its models, what is kept, the program.
+        """Digest of all that changes the result: scenario, what is kept, the program.
 
-        The scenario's name does not.
+        The program includes kinds of irregularities of other packages. The scenario's name changes nothing.
         """
         scenario = dataclasses.replace(self.scenario, name="any")
         kept = [self.before, self.after, self.outputs, self.histories, self.pressures]
-        return digest([program(), scenario, kept])
+        kinds = sorted({type(each).__module__ for each in scenario.irregularities})
+        return digest([program(), *map(sources.program, kinds), scenario, kept])
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +136,7 @@ ANY: dict[str, Any] = {
     "axle_load": 2e5,
     "irregularities": (),
     "line_length": None,
+    "settle_on": "surfaces",
 }
 """Values for the keys on which models do not depend."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -12,14 +12,24 @@ from typing import Any, Literal
 from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import check, quantity, read, unknown
+from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
+from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
 from .outputs import check_output
 from .pressure_maps import PressureMaps
-from .registry import check_figure
+
+FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
+    "wheelset_receptances": wheelset_receptances.draw,
+    "wheelset_modes": wheelset_modes.draw,
+    "track_receptances": track_receptances.draw,
+    "moving_green_functions": moving_green_functions.draw,
+}
+"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
+returns what it wrote."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +67,21 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """What a study file says."""
+    """A study: a base scenario, what is varied, what is kept of each run, and what is drawn.
+
+    ``docs/studies.md`` describes the keys. ``run_study`` runs it.
+
+    Raises
+    ------
+    InputError
+        For axes, outputs or figures that do not exist.
+
+    Examples
+    --------
+    >>> study = Study(title="Speed", vary={"speed": [20.0, 30.0]}, outputs=("wheels.wheel_1.max_force",))
+    >>> [run.scenario.speed for run in study.runs()]
+    [20.0, 30.0]
+    """
 
     title: str
     description: str = ""
@@ -77,14 +101,15 @@ class Study:
     drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
-    """Figures that are drawn from the models, without runs: see ``registry``."""
+    """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
         for name in ("set", "vary"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name} = {getattr(self, name)!r} is not a mapping of scenario keys")
-        for index, figure in enumerate(self.figures):
-            check_figure(figure, f"figures.{index}")
+        for index, name in enumerate(self.figures):
+            if name not in FIGURES:
+                raise InputError(unknown("figure", f"figures.{index} = {name!r}", name, [*FIGURES]))
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
@@ -156,7 +181,23 @@ class Study:
 
 
 def load_study(name_or_path: str | Path) -> Study:
-    """Study from a shipped name or a file; raises InputError in one line for anything that cannot be used."""
+    """Load a study.
+
+    Parameters
+    ----------
+    name_or_path
+        Name of a shipped study, such as ``speed``, or path of a YAML file.
+
+    Raises
+    ------
+    InputError
+        In one line, for anything that cannot be used.
+
+    Examples
+    --------
+    >>> [axis.name for axis in load_study("depth").axes]
+    ['size', 'irregularities.0.h']
+    """
     try:
         return read(Study, shipped.load_yaml("studies", name_or_path), "")
     except InputError as refusal:

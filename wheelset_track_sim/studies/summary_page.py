@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from ..report.assets import PAPER, STYLE
+from ..report.files import PAPER, STYLE
 from . import drawing
 from .tables import Table
 

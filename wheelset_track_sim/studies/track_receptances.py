@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from ..report.figures import COLOURS, new_figure
 from ..runtime.arrays import Complex, Real
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from ..scenario import Scenario
 from ..track import bloch
 from ..track import finite_elements as track_fe
@@ -49,7 +49,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
 
     Raises InputError for a track that cannot be used, and for a folder that cannot be written.
     """
-    track, report = scenario.track, progress or (lambda stage, fraction: None)
+    track, report = scenario.track, progress or unreported
     limit = drawing.band(scenario)
     places = {"above a sleeper": 0.0, MID_BAY: track.spacing / 2}
     frequencies = np.union1d(np.geomspace(LOWEST, limit, 1000), np.arange(LOWEST, limit, SPACING))

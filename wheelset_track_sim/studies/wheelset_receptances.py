@@ -10,7 +10,7 @@ from ..dynamics.green_functions import frequency_grid, green_function
 from ..errors import InputError
 from ..report.figures import COLOURS, finish, new_figure
 from ..runtime.arrays import Complex, Real
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from ..scenario import Scenario
 from ..wheelset.kinds import with_geometry
 from ..wheelset.reduced import COMPONENTS, ReducedWheelset
@@ -41,7 +41,7 @@ def draw(out: Path, scenario: Scenario, progress: Progress | None = None) -> lis
     """
     wheelset = with_geometry(scenario.wheelset)
     reduced = reduced_wheelset(wheelset, progress=progress)
-    report = progress or (lambda stage, fraction: None)
+    report = progress or unreported
     frequencies = drawing.resonant_frequencies(reduced.poles, LOWEST, drawing.band(scenario))
     report("wheelset figures", 0.1)
     paths = _receptances(out, wheelset, reduced, frequencies)

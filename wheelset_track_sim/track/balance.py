@@ -22,7 +22,7 @@ import numpy as np
 
 from ..runtime.arrays import Complex, Real
 from ..runtime.cache import cached
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from .ring import MAX_FREQUENCY, HalfRing, track_ring
 from .track import Track
 
@@ -160,7 +160,7 @@ def moving_track(
 
 
 def _reduced(track: Track, dx: float, max_frequency: float, order: int, progress: Progress | None) -> MovingTrack:
-    report = progress or (lambda what, fraction: None)
+    report = progress or unreported
     ring = track_ring(track, dx, max_frequency=max_frequency, progress=progress)
     symmetric = balanced(ring.symmetric, order)
     report("track reduction", 0.5)

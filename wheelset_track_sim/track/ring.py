@@ -38,7 +38,7 @@ from numpy.typing import ArrayLike
 from ..errors import InputError
 from ..runtime.arrays import Complex, Real
 from ..runtime.cache import cached
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from .bay import assemble_bay, reduce_bay
 from .ring_modes import RingModes, bloch_modes, counting, real_form, response_level, static_compliance, thinned
 from .track import HALVES, Half, Track
@@ -157,7 +157,7 @@ def track_ring(
 def _ring(
     track: Track, dx: float, bays: int, max_frequency: float, tolerance: float, progress: Progress | None
 ) -> TrackRing:
-    report = progress or (lambda what, fraction: None)
+    report = progress or unreported
     steps, halves = round(track.spacing / dx), []
     for index, half in enumerate(HALVES):
 

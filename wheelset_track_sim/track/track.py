@@ -187,6 +187,12 @@ def load_track(source: str | Path | Mapping[str, Any]) -> Track:
     ------
     InputError
         In one line, for a name, key or value that cannot be used.
+
+    Examples
+    --------
+    >>> softer = load_track({"base": "ballasted_60e1", "name": "softer", "pad": {"stiffness": 9e7}})
+    >>> softer.pad.stiffness, softer.spacing
+    (90000000.0, 0.6)
     """
     if not isinstance(source, Mapping) and str(source) in shipped.names("tracks"):
         return _shipped(str(source))

@@ -11,7 +11,7 @@ from ..samples.block import SampleBlock
 
 
 @dataclass(frozen=True)
-class Place:
+class SamplePlace:
     """A sample."""
 
     step: int
@@ -29,15 +29,15 @@ class Difference:
     """N or Pa."""
     signal: str
     """Signal with the largest difference, such as ``wheel_1`` or ``A1 yy``."""
-    at: Place
-    """Place of the largest difference."""
-    first: Place
+    at: SamplePlace
+    """SamplePlace of the largest difference."""
+    first: SamplePlace
     """The first sample with a difference."""
-    last_beyond: Place | None
+    last_beyond: SamplePlace | None
     """The last sample with more than the limit; None if there is none."""
 
 
-class Differences:
+class RunDifferences:
     """Collects the difference of some signals over consecutive blocks."""
 
     def __init__(self, signals: tuple[str, ...], limit: float) -> None:
@@ -56,10 +56,10 @@ class Differences:
         if not unequal.any():
             return
 
-        def place(row: int) -> Place:
+        def place(row: int) -> SamplePlace:
             step = before + int(row)
             time = block.time + step * block.step_period
-            return Place(block.first_step + step, time, block.position + step * block.speed * block.step_period)
+            return SamplePlace(block.first_step + step, time, block.position + step * block.speed * block.step_period)
 
         size = np.where(unequal, np.nan_to_num(np.abs(ours - theirs), nan=np.inf), 0.0)
         row, column = np.unravel_index(int(size.argmax()), size.shape)

@@ -23,7 +23,7 @@ from ..scenario import WHEELS
 from ..simulation.simulator import Simulator
 from ..simulation.speed import Stretch
 from ..wheelset.reduced import COMPONENTS
-from .differences import Difference, Differences
+from .differences import Difference, RunDifferences
 from .run_inputs import RecordedChange, RunInputs, run_inputs, with_settings
 
 CHUNK = 5556
@@ -34,7 +34,7 @@ AGREEMENT = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Resimulation:
-    """A run simulated again, over the samples that were recorded."""
+    """A run simulated again, over the samples that were recorded; ``resimulate`` returns it."""
 
     path: Path
     samples: int
@@ -67,7 +67,7 @@ class Resimulation:
 
     @property
     def unexplained(self) -> bool:
-        """Whether the numbers differ though settings, software, processor and inputs are those of the recording."""
+        """Whether the numbers differ although settings, software, processor and inputs are as recorded."""
         return not (self.identical or self.settings or self.origin or self.inputs.start or self.unknown)
 
 
@@ -95,6 +95,14 @@ def resimulate(
         The bag cannot be read or does not hold the inputs of its run.
     InputError
         A setting cannot be made, or ``out`` exists or cannot be written.
+
+    Examples
+    --------
+    >>> resimulate("ten_seconds.mcap").identical
+    True
+    >>> shallower = resimulate("ten_seconds.mcap", ["irregularities.0.h=0.001"])
+    >>> shallower.after.wheels[0].max_force < shallower.before.wheels[0].max_force
+    True
     """
     lost: list[Loss] = []
     bag = Bag(Path(path), lost.append)
@@ -185,8 +193,8 @@ class _Comparison:
         nodes = simulator.scenario.output.stress_nodes
         self._rows = [(first.nodes.index(node), nodes.index(node)) for node in first.nodes if node in nodes]
         names = tuple(f"{first.nodes[row]} {component}" for row, _ in self._rows for component in COMPONENTS)
-        self.force = Differences(WHEELS, AGREEMENT * simulator.scenario.wheel_load)
-        self.stress = Differences(names, AGREEMENT * float(np.abs(first.stresses).max(initial=0.0)))
+        self.force = RunDifferences(WHEELS, AGREEMENT * simulator.scenario.wheel_load)
+        self.stress = RunDifferences(names, AGREEMENT * float(np.abs(first.stresses).max(initial=0.0)))
         self.duration = 0.0
         self.revisions: set[int] = set()
         self._before: Summary | None = None

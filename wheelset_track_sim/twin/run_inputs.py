@@ -78,7 +78,10 @@ def with_settings(scenarios: Sequence[Scenario], settings: Sequence[str]) -> lis
 
 def _change(bag: Bag, of: Input) -> RecordedChange:
     try:
-        return RecordedChange(of.revision, of.step, scenario_from(parse(of.scenario, "it")))
+        data = parse(of.scenario, "it")
+        if bag.info.versions.get("wheelset_track_sim", "").startswith("0.1."):
+            data = {"settle_on": "smooth"} | data  # as every run of that version did
+        return RecordedChange(of.revision, of.step, scenario_from(data))
     except InputError as refusal:
         raise RecordingError(
             f"{bag.path}: scenario of revision {of.revision} cannot be used here ({refusal})"

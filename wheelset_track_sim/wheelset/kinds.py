@@ -41,6 +41,14 @@ def load_wheelset(source: str | Path | Mapping[str, Any]) -> AnyWheelset:
     ------
     InputError
         In one line, for a name, key or value that cannot be used.
+
+    Examples
+    --------
+    >>> wheelset = load_wheelset("x40")
+    >>> receptance(wheelset, [25.0, 85.0]).shape  # by frequency, response, force
+    (2, 2, 2)
+    >>> [node.name for node in wheelset.stress_nodes]
+    ['A1', 'B1', 'C1']
     """
     if isinstance(source, Mapping):
         return read_wheelset(source, "wheelset")

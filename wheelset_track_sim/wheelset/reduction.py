@@ -8,7 +8,7 @@ import numpy as np
 
 from ..runtime.arrays import Complex, Real
 from ..runtime.cache import cached
-from ..runtime.progress import Progress
+from ..runtime.progress import Progress, unreported
 from . import stress_points
 from .harmonic_elements import nodal_stress, solid_mass
 from .harmonics import HARMONICS, harmonic
@@ -61,7 +61,7 @@ def build_reduced_wheelset(
 
     ``progress`` is called with a stage and the fraction done (0 to 1).
     """
-    report = progress or (lambda stage, fraction: None)
+    report = progress or unreported
     report("wheelset mesh", 0.0)
     mesh = wheelset_mesh(wheelset)
     samples = stress_points.stress_points(wheelset, mesh)

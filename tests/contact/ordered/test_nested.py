@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.contact_conditions import assert_contact_conditions
 from wheelset_track_sim.contact import (
     ContactGeometry,
     ProfilePair,
@@ -87,14 +88,7 @@ def test_hardly_any_contact_is_far_from_smooth(law):
 def test_conditions_hold_on_every_element(law, step, depth, compliance):
     gap = total_separation(law, 0, step, step)
     patch = solve_patch(law, 0, step, step, gap.min() + depth, compliance)
-    i, j = (index.ravel() for index in np.indices(gap.shape))
-    bears = patch.pressure.ravel() > 0
-    p = patch.pressure.ravel()[bears]
-    influence = law.influence[abs(i[:, None] - i[bears]), abs(j[:, None] - j[bears])]
-    distance = gap.ravel() + influence @ p - (patch.approach - compliance * patch.force)
-    assert np.abs(distance[bears]).max() < 1e-13
-    assert distance[~bears].min() > -1e-13
-    assert patch.force == pytest.approx(p.sum() * law.element_area, rel=1e-12)
+    assert_contact_conditions(law, gap, patch, compliance)
 
 
 @settings(max_examples=60)

@@ -10,9 +10,8 @@ from matplotlib.image import imread
 from support.paths import ROOT
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.inputs import shipped
-from wheelset_track_sim.report.pictures.profiles import draw_profiles
 from wheelset_track_sim.report.pictures.scenario import rows_of
-from wheelset_track_sim.report.pictures.supports import draw_supports, uneven
+from wheelset_track_sim.report.pictures.structures import draw_profiles, draw_supports, uneven
 from wheelset_track_sim.report.pictures.surfaces import draw_along, draw_map, irregular_surfaces
 from wheelset_track_sim.scenario import load_scenario
 

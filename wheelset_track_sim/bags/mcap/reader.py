@@ -117,7 +117,7 @@ class McapReader:
 
     @property
     def topics(self) -> list[Topic]:
-        """Topics in the order of their numbers; without an index, those of the chunks that have been read."""
+        """Topics in the order of their numbers; without an index, only topics of the chunks that have been read."""
         found = (self._topic(number) for number in sorted(self._channels))
         return [topic for topic in found if topic is not None]
 
@@ -164,7 +164,7 @@ class McapReader:
                 self.report(place, place, chunk)
 
     def messages(self, chunk: Chunk) -> Iterator[StoredMessage]:
-        """Yield the messages of a chunk; those of topics that were defined in a lost chunk are damage."""
+        """Yield the messages of a chunk; messages of topics that were defined in a lost chunk are damage."""
         unknown = 0
         for opcode, content in _records(chunk.data):
             if opcode == Opcode.MESSAGE:

@@ -1,8 +1,8 @@
 """An MCAP file while it is written: chunks of messages as they come, indexes at the end.
 
 The library's own writer compresses at zstd's default level, copies every message four times and keeps an object for
-each chunk. Level -1 costs a sixth of the time for 7 % more bytes: what can be had of these numbers are the components
-that are zero, and a little of the exponents. https://mcap.dev/spec
+each chunk. Level -1 takes a sixth of the time for 7 % more bytes: these numbers compress little, except for components
+that are zero. https://mcap.dev/spec
 """
 
 from __future__ import annotations
@@ -49,10 +49,10 @@ SLACK = 8192
 
 
 class McapWriter:
-    """Writes to a stream that it does not close; what is not yet in a chunk is lost if ``finish`` is never called.
+    """Writes to a stream, and leaves it open; messages that are not in a chunk yet are lost without ``finish``.
 
-    All methods that write raise OSError if the disk refuses. The file then ends with its last whole chunk, the chunk at
-    hand is lost, and ``finish`` may still find room for the index.
+    All methods that write raise OSError if the disk refuses. The file then ends with its last complete chunk. The
+    current chunk is lost, and the index of ``finish`` may still fit.
     """
 
     def __init__(self, stream: BinaryIO | FileIO, profile: str, library: str) -> None:
@@ -97,7 +97,7 @@ class McapWriter:
     def add_message(
         self, channel: int, time: int, sequence: int, data: bytes | memoryview, published: int | None = None
     ) -> None:
-        """Add a message with time stamp ``time``, ns, to the chunk at hand; ``data`` must stay as it is until then.
+        """Add a message with time stamp ``time``, ns, to the current chunk; ``data`` must not change before ``flush``.
 
         It was ``published`` at another time if that is given, ns.
         """
@@ -118,22 +118,22 @@ class McapWriter:
 
     @property
     def holds_messages(self) -> bool:
-        """Whether there are any, written or at hand."""
+        """Whether there are any, written or not."""
         return bool(self._entries or self._chunk_count)
 
     @property
     def bound(self) -> int:
-        """Bytes that the file has at most if it is finished now."""
+        """Largest size of the file, bytes, if it is finished now."""
         entries = sum(map(len, self._entries.values()))
         return self.place + self._size + self._size // 64 + entries + len(self._chunks) + self._described + SLACK
 
     def flush(self) -> None:
-        """Write the chunk at hand and hand it over to the operating system; without messages there is none."""
+        """Hand the current chunk over to the operating system, if it holds messages."""
         if self._entries:
             self._write_chunk()
 
     def finish(self) -> None:
-        """Write what is at hand, then all that is needed to find a message without reading the whole file."""
+        """Write the current chunk, then the indexes that find a message without reading the whole file."""
         self.flush()
         end = _bytes(DataEnd(self._written[1]))
         start = self.place + len(end)
@@ -155,7 +155,7 @@ class McapWriter:
 
     def _describe(self, record: bytes) -> None:
         self._append(record)
-        self._described += len(record)  # stands again at the end
+        self._described += len(record)  # it is repeated at the end
 
     def _append(self, data: bytes | memoryview) -> None:
         self._parts.append(data)
@@ -177,7 +177,7 @@ class McapWriter:
         self._torn = False
 
     def _mend(self) -> None:
-        """Take away what was written in part, because the disk refused the rest or a signal broke it off."""
+        """Remove a part that was written when the disk refused the rest, or a signal interrupted."""
         if self._torn:
             with suppress(OSError):  # of what is no file on a disk
                 self._stream.truncate(self.place)
@@ -207,7 +207,7 @@ class McapWriter:
         self._chunk_count += 1
 
     def statistics(self) -> Statistics:
-        """What is in the chunks that have been written."""
+        """Number and times of the messages in the chunks that have been written."""
         return Statistics(
             attachment_count=0,
             channel_count=len(self._channels),

@@ -12,9 +12,9 @@ from ..topics import Topic
 from .recorded_bag import Played, RecordedBag
 
 LEADING = {"ContactForces": "wheel_1", "AxleStress": "max_principal", "LoadSummary": ""}
-"""Messages of which each chunk has one, by their types, with a field that has an entry a sample.
+"""Types of messages that may lead chunks, because each chunk has one, with a field that has an entry a sample.
 
-The first of these that a bag has leads its chunks.
+The first type that a bag holds leads its chunks.
 """
 LONGEST = 2 * 10**9
 """Time, ns, within which the next chunk is looked for; chunks of the node last a second at most."""

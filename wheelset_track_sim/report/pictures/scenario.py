@@ -14,10 +14,8 @@ from ...scenario.scenario import WHEELSET
 from ...wheelset.kinds import load_wheelset, reduce_wheelset
 from ...wheelset.section_outline import section_outline
 from ..figures import new_figure, write_png
-from .profiles import draw_profiles
-from .supports import draw_supports, uneven
+from .structures import draw_profiles, draw_supports, draw_wheelset, uneven
 from .surfaces import SurfaceHeights, draw_along, draw_map, irregular_surfaces
-from .wheelset import draw_wheelset
 
 SPACE = 0.1
 """Space below the title and above the note, inches."""

@@ -1,10 +1,25 @@
-"""Files that are written whole or not at all."""
+"""Files of a page: style and words that pages share, and files that are written whole or not at all."""
 
 from __future__ import annotations
 
+from importlib.resources import files
 from pathlib import Path
 
 from ..errors import InputError
+
+PAPER = (
+    "M. Maglio, A. Pieringer, J. C. O. Nielsen, T. Vernersson, “Wheel–rail impact loads and axle bending stress "
+    "simulated for generic distributions and shapes of discrete wheel tread damage”."
+)
+
+
+def asset(name: str) -> str:
+    """Text of a file beside this one."""
+    return (files(__package__) / name).read_text(encoding="utf-8")
+
+
+STYLE = asset("page.css")
+"""Style sheet of a page, for light and dark, wide and narrow, and paper."""
 
 
 def write_whole(path: Path, content: bytes) -> Path:

@@ -1,4 +1,4 @@
-"""A run or a part of it in memory, as arrays over its steps."""
+"""Read a run, or a part of it, as arrays over its steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .bag import Bag
 from .bag_reader import Lost
 from .messages import State
 from .run_info import RunInfo
-from .window import Window
+from .window import RunWindow
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -30,12 +30,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A run; every array has one entry a step."""
+    """A run in memory; every array has one entry a step.
+
+    Examples
+    --------
+    >>> run = read_bag("ten_seconds.mcap")
+    >>> run.forces.shape[0] == run.stresses.shape[0] == len(run.time) == len(run)
+    True
+    >>> f"{run.summary.wheels[0].max_force / 1e3:.0f} kN"
+    '293 kN'
+    """
 
     path: Path
     info: RunInfo
     states: tuple[State, ...]
-    """What was simulated: the state at the start, and one for every revision."""
+    """The state at the start, and one for every revision."""
     start_ns: int
     """Time stamp of step 0, ns since the epoch."""
     steps: NDArray[np.uint64]
@@ -107,7 +116,7 @@ class Recording:
         )
 
 
-def read(
+def read_bag(
     path: str | Path,
     *,
     start: float | None = None,
@@ -116,15 +125,39 @@ def read(
     nodes: Sequence[str] | None = None,
     lost: Lost | None = None,
 ) -> Recording:
-    """Read a bag, a file or a folder, into memory: all of it, or a part, of which little more is read from the disk.
+    """Read a bag, or a part of it, into memory.
 
-    The part is from the simulated time ``start`` up to, but not including, ``stop``, s, and of ``steps`` from the first
-    up to the second; with all stress nodes, or with ``nodes``. Without ``lost``, RecordingError is raised in one line
-    if what is read is damaged or has gaps; with it, what can be read is, and ``lost`` is told of all the rest, so that
-    ``steps`` of the recording may jump.
+    Parameters
+    ----------
+    path
+        A bag: a file or a folder, recorded by this package or by ``ros2 bag record``.
+    start, stop
+        Simulated time, s, from which and up to which, exclusively, samples are read.
+    steps
+        First step, and the step up to which, exclusively, samples are read; None for the end.
+    nodes
+        Names of the stress nodes that are read; None for all.
+    lost
+        Called with every damage and gap, which is left out; ``steps`` of the recording may jump then. Without it,
+        damage raises RecordingError.
 
-    RecordingError, too, if the bag is missing or holds no run, or nothing of it is in the part; InputError for a part
-    that cannot be, or a node that is not there.
+    Returns
+    -------
+    Recording
+        Arrays over the steps: forces (n, 2) N, stresses (n, nodes, 6) Pa, time, position, speed, and the states.
+
+    Raises
+    ------
+    RecordingError
+        In one line, if the bag is missing, damaged, has gaps, or holds no run or nothing of the part.
+    InputError
+        For a part that cannot be, or a node that is not in the bag.
+
+    Examples
+    --------
+    >>> run = read_bag("ten_seconds.mcap", start=2.0, stop=2.5, nodes=["A1"])
+    >>> run.forces.shape[1], run.nodes
+    (2, ('A1',))
     """
     bag, window = Bag(Path(path), lost), _window(start, stop, steps)
     found: list[SampleBlock] = []
@@ -174,16 +207,16 @@ def blocks(
     nodes: Sequence[str] | None = None,
     lost: Lost | None = None,
 ) -> Iterator[SampleBlock]:
-    """Blocks of a bag in their order, one at a time in memory, whole; arguments and errors are those of ``read``."""
+    """Whole blocks of a bag in their order, one at a time in memory; arguments and errors as of ``read_bag``."""
     return Bag(Path(path), lost).blocks(_window(start, stop, steps), nodes)
 
 
-def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> Window:
-    return Window(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
+def _window(start: float | None, stop: float | None, steps: tuple[int, int | None]) -> RunWindow:
+    return RunWindow(-math.inf if start is None else start, math.inf if stop is None else stop, *steps)
 
 
 def _in_force(states: Iterable[State], first: int, last: int) -> tuple[State, ...]:
-    """States from the one that a step begins in to another step; what comes after is not read."""
+    """States from the one in force at step ``first`` to step ``last``; later ones are not read."""
     found: list[State] = []
     for state in takewhile(lambda state: state.first_step <= last, states):
         found = [state] if state.first_step <= first else [*found, state]
