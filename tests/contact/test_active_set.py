@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -5,7 +7,7 @@ from hypothesis import strategies as st
 
 from support.contact_conditions import assert_contact_conditions
 from wheelset_track_sim.contact import ContactGeometry, build_contact_law, solve_patch
-from wheelset_track_sim.contact.active_set_kernels import cholesky, solve_active_set
+from wheelset_track_sim.contact.active_set_kernels import candidates, cholesky, exchange, solve_active_set, solve_set
 from wheelset_track_sim.contact.law_kernels import total_separation
 from wheelset_track_sim.errors import ContactError
 from wheelset_track_sim.irregularities import Breakout
@@ -84,6 +86,37 @@ def test_the_first_guess_does_not_change_a_bit(law, tread, depth, seed, share):
     from_nothing = solve_active_set(gap, True, law.influence, law.element_area, approach, 0.0, cold, none)
     assert from_guess == from_nothing
     assert (guess == cold).all()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("compliance", [0.0, 2e-10])
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_after_the_first_exchange_elements_only_leave(law, mirrored, compliance, share):
+    """The proof of termination, step by step: distances never fall, so no set comes again."""
+    gap = total_separation(law, 0, 20, 0)
+    approach, centre = gap.min() + 2e-4, gap.shape[1] // 2
+    c = candidates(gap, mirrored, approach)
+    full = law.influence[abs(c.i[:, None] - c.i), abs(c.j[:, None] - c.j)]
+    image = law.influence[abs(c.i[:, None] - c.i), c.j[:, None] + c.j - 2 * centre] if mirrored else full
+    active = np.random.default_rng(3).random(len(c.gap)) < share
+    active[c.gap.argmin()] = True
+    sets, distances = [], []
+    while True:
+        chosen = np.nonzero(active)[0]
+        p = np.empty(len(chosen))
+        of_law = law.influence, law.element_area, approach, compliance
+        force, _, definite = solve_set(c, chosen, mirrored, centre, *of_law, p)
+        assert definite
+        local = approach - compliance * force
+        sets.append(set(chosen))
+        distances.append(c.gap + 0.5 * (full + image)[:, chosen] @ (c.weight[chosen] * p) - local)
+        if exchange(c, chosen, p, mirrored, centre, law.influence, local, 1e-15, True, active) == 0:
+            break
+    assert len(sets) > 2
+    assert len(sets) <= 10
+    assert all(after < before for before, after in pairwise(sets[1:]))
+    assert np.diff(distances, axis=0).min() > -1e-14
+    assert distances[-1].min() > -1e-14
 
 
 @pytest.mark.parametrize("tread", [0, 17, 1000])

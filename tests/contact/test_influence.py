@@ -30,3 +30,14 @@ def test_table_is_a_point_load_far_away_and_positive_definite():
     i, j = (index.ravel() for index in np.meshgrid(np.arange(12), np.arange(9), indexing="ij"))
     K = table[abs(i[:, None] - i), abs(j[:, None] - j)]
     assert np.linalg.eigvalsh(K).min() > 0
+
+
+@pytest.mark.parametrize(("dx", "dy"), [(1e-3, 0.75e-3), (1e-3, 1e-3), (1e-4, 5e-3), (5e-3, 1e-4)])
+def test_the_inverse_has_the_signs_on_which_the_contact_solvers_rely(dx, dy):
+    """No positive entry off the diagonal, and positive row sums; then the same holds for every set of the elements."""
+    i, j = (index.ravel() for index in np.indices((32, 28)))
+    table = influence_table(32, 28, dx, dy, E, NU)
+    inverse = np.linalg.inv(table[abs(i[:, None] - i), abs(j[:, None] - j)])
+    assert (table > 0).all()
+    assert inverse[~np.eye(len(i), dtype=bool)].max() < 0
+    assert inverse.sum(axis=1).min() > 1e-3 * inverse.max()

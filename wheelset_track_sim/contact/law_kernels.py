@@ -1,8 +1,22 @@
 """The contact law of the coupled step: approach in, force out, for both wheels.
 
-Indices: wheel 0 is wheel 1 and wheel 1 is wheel 2. ``tread_index`` and ``rail_index`` are those of the middle of the
-area; they count in steps, rise with time, may be of any size and are taken modulo the lengths of treads and rails. An
-element ahead in x meets tread and rail at a higher index.
+Problem. Find the force F, N, with F = f(delta - c0 F). f is the force-approach curve of the surfaces under a wheel at
+this step. delta, m, is the approach without the force of this step; c0, m/N, is what that force adds to the
+displacements. f is zero up to first touch, then rises. So f(delta - c0 F) falls with F, and exactly one F solves this.
+
+Three methods are tried in this order:
+
+1. A table (``tabulated_force``). ``path_kernels`` follows f from kink to kink, so f is linear between the kinks
+   (x_k, f_k). A bisection finds the segment whose ends x_k + c0 f_k enclose delta; t is its slope. F is exact::
+
+       F = (f_k + t (delta - x_k)) / (1 + c0 t)
+
+2. The nested solver (``ordered.nested_kernels``), without a table, where surfaces are rough but nearly smooth.
+3. The plain active set (``active_set_kernels``), for all other contacts.
+
+Indices. Wheel 0 is wheel 1 and wheel 1 is wheel 2. ``tread_index`` and ``rail_index`` are the positions of tread and
+rail at the middle of the area, in steps. They rise with time, may have any size, and are taken modulo the lengths of
+treads and rails. An element ahead in x meets tread and rail at a higher index.
 """
 
 from __future__ import annotations
@@ -57,14 +71,17 @@ class ContactLaw(NamedTuple):
     rail_top: Real
     """Highest of the rail within the area, (2, n_r), m."""
     nested: tuple[NestedContacts, NestedContacts]
-    """What solves contacts of each wheel that are nearly those of smooth surfaces."""
+    """Elements of each wheel in the order of the nested solver."""
     in_contact: NDArray[np.bool_]
     """Elements in contact at the last solution, (2, nx, ny): the first guess of the next."""
 
 
 @kernel
 def total_separation(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> Real:
-    """z_R + z_W + r_R + r_W of Eq. (12), (nx, ny), m; r is minus the height: missing material widens the gap."""
+    """Separation z_R + z_W + r_R + r_W of Eq. (12), (nx, ny), m.
+
+    r is minus the height of a surface: missing material widens the gap.
+    """
     nx, ny = law.separation.shape[1:]
     n_c, n_r = law.tread.shape[1], law.rail_row.shape[1]
     gap = np.empty((nx, ny))
@@ -87,7 +104,10 @@ def solve_nested(
     in_contact: NDArray[np.bool_],
     pressure: Real,
 ) -> tuple[float, float, int]:
-    """``solve_contact`` by ``solve_in_order``; with a status of FAR, that is not for it and nothing has changed."""
+    """Solve a contact with ``solve_in_order``; parameters and returns are those of ``solve_contact``.
+
+    With a status of FAR the contact is not for this method, and ``in_contact`` and ``pressure`` are unchanged.
+    """
     nested, tread, rows = law.nested[wheel], law.tread[wheel], law.rail_row[wheel]
     if not np.isfinite(approach) or not compliance >= 0.0:
         return np.nan, np.nan, FAR
@@ -128,9 +148,29 @@ def solve_contact(
     in_contact: NDArray[np.bool_],
     pressure: Real,
 ) -> tuple[float, float, int]:
-    """Force, N, stiffness, N/m, and status of ``solve_active_set`` at a position of tread and rail.
+    """Solve the contact of a wheel at a position of tread and rail.
 
-    Contacts that are nearly those of smooth surfaces are solved in their order, in a twentieth of the time.
+    The nested solver is tried first: it takes a twentieth of the time of the plain active set.
+
+    Parameters
+    ----------
+    law
+        Both contacts.
+    wheel
+        0 or 1.
+    tread_index, rail_index
+        Positions at the middle of the area, in steps.
+    approach, compliance
+        delta, m, and c0, m/N.
+    in_contact
+        First guess, (nx, ny); left with the solution, or all False without one.
+    pressure
+        Filled, (nx, ny), Pa; pass an empty (0, 0) array if you need the force alone.
+
+    Returns
+    -------
+    force, stiffness, status
+        F, N, dF/d delta, N/m, and the status of ``solve_active_set``.
     """
     force, stiffness, status = solve_nested(
         law, wheel, tread_index, rail_index, approach, compliance, in_contact, pressure
@@ -144,9 +184,14 @@ def solve_contact(
 
 @inner_kernel
 def table_force(points: Real, first: int, end: int, approach: float, compliance: float) -> float:
-    """Force, N, from the kinks ``points[first:end]`` at an approach, m, of which ``compliance`` times force is lost.
+    """Force, N, from a table; 0 up to first touch, NaN beyond the last kink.
 
-    F = f(approach - c0 F) has one solution, on the segment where approach - c0 F falls; NaN beyond the last kink.
+    Parameters
+    ----------
+    points, first, end
+        Kinks of the curve are ``points[first:end]``: approach, m, and force, N.
+    approach, compliance
+        delta, m, and c0, m/N.
     """
     if approach <= points[first, 0]:
         return 0.0
@@ -168,10 +213,10 @@ def table_force(points: Real, first: int, end: int, approach: float, compliance:
 def tabulated_force(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> float:
-    """``contact_force`` from a table; NaN where there is none or the force is beyond it.
+    """Look ``contact_force`` up in a table; NaN where there is none, or where the force is beyond it.
 
-    Indices are below the lengths of treads and rails. There is a table for each place of a smooth surface under what is
-    on the other; where both have something, or one is rough, there is none.
+    Both indices must be within the lengths of treads and rails. There are tables for each place of a tread on a smooth
+    rail, and of a rail under a smooth tread; not where both have an irregularity, or where one is rough.
     """
     number, of_rail = law.table[wheel, tread_index], law.rail_table[wheel, rail_index]
     if of_rail != 0:
@@ -185,7 +230,7 @@ def tabulated_force(
 def solved_force(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> float:
-    """``contact_force`` from the active set, whose last solution in ``law.in_contact`` is the first guess."""
+    """Solve for ``contact_force``, with the last solution in ``law.in_contact`` as the first guess."""
     return solve_contact(
         law, wheel, tread_index, rail_index, approach, compliance, law.in_contact[wheel], np.empty((0, 0))
     )[0]
@@ -195,11 +240,23 @@ def solved_force(
 def contact_force(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> float:
-    """Contact force, N, >= 0, where F = f(approach - compliance F); NaN if it cannot be solved.
+    """Contact force F = f(approach - compliance F), N, at least 0; NaN if it cannot be solved.
 
-    ``approach`` (m) is xi_r + xi_w of Eq. (12) with its sign turned: the overlap of the nominal surfaces at the
-    middle of the area. ``compliance`` is in m/N. The two parts may also be called one after the other: tables are
-    looked up three times as fast where the compiler need not pass the whole law to a function.
+    The coupled step calls both parts of this function itself: a table is looked up three times as fast where the
+    compiler need not pass the whole law to a function.
+
+    Parameters
+    ----------
+    law
+        Both contacts; ``law.in_contact`` is changed where the contact is solved.
+    wheel
+        0 or 1.
+    tread_index, rail_index
+        Positions at the middle of the area, in steps, of any size.
+    approach
+        -(xi_R + xi_W) of Eq. (12): the overlap of the nominal surfaces at the middle of the area, m.
+    compliance
+        c0, m/N.
     """
     tread, rail = tread_index % law.table.shape[1], rail_index % law.rail_table.shape[1]
     force = tabulated_force(law, wheel, tread, rail, approach, compliance)

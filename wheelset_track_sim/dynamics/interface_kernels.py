@@ -1,8 +1,15 @@
 """The one interface of the coupled step to the dynamics, and its implementations: ``causal``, ``line`` and ``paper``.
 
-The compiler picks the implementation by the type of ``dynamics``. Every implementation has a ``wheel_compliance`` (2,)
-and a ``rail_compliance`` (L,) in m/N: what the force of a step displaces a wheel, and the rail at a place in the bay,
-at that step itself.
+At a step the wheels and rails are displaced by a part that past forces have caused, and by a part in proportion to the
+force F of the step itself::
+
+    xi = displacements(step) + compliance F
+
+    compliance  m/N  ``wheel_compliance`` (2,), ``rail_compliance`` (L,) by place in the bay; (1,) if it has no places
+
+``contact.law_kernels`` solves the contact with the sum of both compliances as c0, so contact and structure need no
+iteration. A step calls ``displacements``, solves the contacts, and calls ``stresses``, then
+``advance``, with the forces. The compiler picks the implementation by the type of ``dynamics``.
 """
 
 from __future__ import annotations
@@ -28,7 +35,7 @@ def displacements(dynamics: Any, step: int, xi: np.ndarray) -> None:
 
 
 def advance(dynamics: Any, step: int, forces: np.ndarray) -> None:
-    """Take in the ``forces`` (2,) N of ``step`` and move on to the next one."""
+    """Apply the ``forces``, (2,), N, of ``step`` and move on to the next one."""
     _IMPLEMENTATIONS[type(dynamics)].advance(dynamics, step, forces)
 
 

@@ -1,10 +1,59 @@
-"""Bays of the ``line`` dynamics side by side: loads on their unknowns, and the accelerations that follow.
+"""Bays of the ``line`` dynamics side by side: one Newmark step, solved along the chain of sleepers.
 
-Unknowns stand in rows of ``COLUMNS`` numbers, one after the other in one array, and bays in columns, so that all
-distances in memory are known to the compiler, as in ``causal_kernels``. Rows: deflection and rotation of rail 1 and of
-rail 2 above a sleeper, the modes of rail 1 and of rail 2 up to the next sleeper, the modes of the sleeper, symmetric
-ones first. The wheels are within half a bay of the column ``MIDDLE``. Deflections are ``u``, velocities ``v``,
-accelerations ``a``.
+Problem. The unknowns of the bays around the wheels obey, with the matrices of ``track.line.TrackLine.matrices``::
+
+    M u'' + C u' + K u = f(t)
+
+    u   m, rad, sqrt(kg) m       ``deflection``: deflections, rotations, modes of mass 1; v and a are their rates
+    f   N, N m, N / sqrt(kg)     loads of the wheels, of hanging sleepers and of the dampers at both ends
+    dt  s                        step
+
+Step: Newmark's with gamma = 1/2 and beta = 1/12, also known as Fox and Goodwin's::
+
+    u* = u + dt v + 5/12 dt^2 a,     v* = v + dt/2 a                                              ``predict``
+    S a' = f - C v* - K u*,          S = M + dt/2 C + kappa K,    kappa = (1/12 + alpha) dt^2
+    u' = u* + dt^2/12 a',            v' = v* + dt/2 a'                                            ``correct``
+
+Without damping and with alpha = 0, a mode of frequency omega turns by theta a step. With W = omega dt,
+cos theta = 1 - W^2 / (2 + W^2 / 6). So theta = W (1 + W^4 / 480 + ...): the amplitude is kept, and the period is too
+short by W^4 / 480, which is 2e-4 at 2.5 kHz and 100 km/h. The step is stable up to W^2 = 6, with any damping in C.
+``line_steps`` chooses alpha, and the inertia m_i of the rail's modes, so that the highest frequency stays below that.
+Statics do not depend on either.
+
+Hanging sleepers and end dampers act through u* and v* alone, not through S. A damper c on the inertia m is then stable
+while c dt < 2 m; ``line.line_model`` and ``line_steps.END_LOSS`` keep to that.
+
+Condensation. Only the rails join bays, so S is solved in stages. e_r is the deflection of the sleeper's modes at the
+seat of rail r. k_r and c_r are stiffness and damping of the pad of rail r; K_r and C_r belong to the ballast under its
+half of the sleeper, which acts on the modes with the matrix B_r::
+
+    rail modes    m_i a_i + c_i.[a_b, a_b+1] = f_i          between nodes b and b + 1; a_b of w, theta of both rails
+    sleeper       S_s a_s - sum_r p_r e_r a_w,r = f_s       p_r = kappa k_r + dt/2 c_r
+                  S_s = 1 + kappa Lambda + sum_r (kappa K_r + dt/2 C_r) B_r + sum_r p_r e_r e_r^T
+    so            a_i = (f_i - c_i.[a_b, a_b+1]) / m_i
+                  a_s = S_s^-1 f_s + sum_r h_r a_w,r        h_r = S_s^-1 p_r e_r (REACH), S_s^-1 (INVERSE)
+
+A chain of nodes remains, N_b a_b + T a_b+1 + T^T a_b-1 = g_b. Its loads are the nodes' own, less c_i f_i / m_i of all
+modes i of the spans on both sides, plus h_r.f_s on the deflection of rail r (``load_rails``). The chain is eliminated
+from both ends towards the three nodes around the wheels. Behind them::
+
+    P_b = N_b - T^T P_b-1^-1 T,    g_b+1 <- g_b+1 - (P_b^-1 T)^T g_b        ``sweep``; P_b^-1 (SOLVE), P_b^-1 T (CARRY)
+    a_b = P_b^-1 g_b - P_b^-1 T a_b+1                                       ``spread``
+
+and ahead of them the same with T^T for T. The middle three are solved with their inverse (``line_kernels``). P_b is
+worked out for a line without ends. P^-1 T has eigenvalues up to 0.06, so P_b depends on some eight nodes.
+
+Around the wheels a step with whole matrices gives the same accelerations to 1e-9
+(``tests/dynamics/test_line_kernels.py``). Cost: 48 columns times some 600 multiply-adds a step, whatever the length of
+the line.
+
+Memory. Each unknown has a row of ``COLUMNS`` numbers, one for each bay, and all rows are one array. The distances in
+memory are then known to the compiler, as in ``causal_kernels``. Rows: deflection and rotation of rail 1 and of rail 2
+above a sleeper; the modes of rail 1 and of rail 2 up to the next sleeper; the modes of the sleeper, symmetric ones
+first. The wheels are within half a bay of the column ``MIDDLE``.
+
+Sources: N. M. Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67-94; L. Fox and E. T. Goodwin, Math. Proc. Cambridge Phil.
+Soc. 45 (1949) 373-388. The condensation is derived here.
 """
 
 from __future__ import annotations
@@ -22,8 +71,11 @@ NODES = 47
 """Sleepers that are followed."""
 
 MIDDLE = 23
+"""Column of the sleeper nearest to the wheels."""
 
 RAIL_MODES = 4
+"""Modes of a rail between two sleepers."""
+
 HALF = 5
 """Symmetric modes of a sleeper, and antisymmetric ones."""
 
@@ -37,32 +89,34 @@ INVERSE = REACH + 4 * HALF
 SOLVE = INVERSE + 4 * HALF * HALF
 CARRY = SOLVE + 16
 FACTORS = CARRY + 16
-"""First rows of ``LineSteps.factors``, and their number: stiffness of the pads of rail 1 and 2, damping; of ballast
-that holds both ways sum and difference of stiffness, of damping; gaps of either side, NaN where it does; ballast below
-gaps; what a rail's acceleration adds to a sleeper's modes; inverse of a sleeper's inertia; inverse of what is left of a
-node's inertia, and what is carried from there towards the middle. The last two stand twice, for nodes behind and ahead
-of the wheels."""
+"""First rows of the parts of ``LineSteps.factors``, and their number.
+
+PADS: stiffness of the pads of rail 1 and 2, N/m, then damping, N s/m. BEDS: ballast that holds both ways, sum and
+difference of the stiffness under both halves, then of the damping. GAPS: gap of either side, m; NaN where the ballast
+holds both ways. HUNG: ballast below gaps, stiffness of both sides, then damping. REACH: h_1 and h_2. INVERSE: S_s^-1.
+SOLVE and CARRY: P^-1 and P^-1 T of nodes behind the wheels; the same for nodes ahead follows after FACTORS.
+"""
 
 
 class LineParts(NamedTuple):
     """What is the same in all bays and at all speeds."""
 
-    stiffness: np.ndarray  # (4, 4) of a rail's ends
-    modes: np.ndarray  # (RAIL_MODES,) rad^2/s^2
-    coupling: np.ndarray  # (4, RAIL_MODES) mass between ends and modes
-    sleeper: np.ndarray  # (2 HALF,) rad^2/s^2
-    seat: np.ndarray  # (2 HALF,) at rail 1; at rail 2 antisymmetric modes have the other sign
-    ballast: np.ndarray  # (2 HALF, 2 HALF) of the half of rail 1; of rail 2 with the signs of both modes
-    nodes: np.ndarray  # (nodes, 2 HALF) deflection of a sleeper's nodes; none on slab track
-    shares: np.ndarray  # (2, nodes) of the ballast under the half of rail 1 and 2
-    turn: float  # m^2 rotational over vertical stiffness of a pad
-    losses: np.ndarray  # (2 COLUMNS,) N s/m, N m s: dampers of deflection and rotation towards both ends
-    shapes: np.ndarray  # (L, 6 + 2 RAIL_MODES) three nodes, modes behind and ahead of the middle one, at a place
+    stiffness: np.ndarray  # (4, 4) of a rail between two sleepers, of its ends [w, theta, w, theta]
+    modes: np.ndarray  # (RAIL_MODES,) rad^2/s^2 of the rail's modes with held ends
+    coupling: np.ndarray  # (4, RAIL_MODES) c: mass between ends and modes
+    sleeper: np.ndarray  # (2 HALF,) Lambda, rad^2/s^2
+    seat: np.ndarray  # (2 HALF,) e_1; e_2 has the other sign in antisymmetric modes
+    ballast: np.ndarray  # (2 HALF, 2 HALF) B_1; B_2 has the other sign between modes of different symmetry
+    nodes: np.ndarray  # (nodes, 2 HALF) deflection of the sleeper's nodes; none on slab track
+    shares: np.ndarray  # (2, nodes) of the ballast under the half of rail 1 and 2 that acts on each node
+    turn: float  # m^2, rotational over vertical stiffness of a pad, and damping likewise
+    losses: np.ndarray  # (2 COLUMNS,) N s/m, then N m s: end dampers of deflection and rotation
+    shapes: np.ndarray  # (L, 6 + 2 RAIL_MODES) shapes of three nodes and of the modes behind and ahead, at L places
 
 
 @block_kernel
 def predict(u: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float) -> None:
-    """Deflections and velocities of the coming step but for its accelerations."""
+    """Replace ``u`` and ``v``, (ROWS COLUMNS,), by u* and v* of the coming step of ``dt`` s."""
     ahead, half = dt * dt * (5.0 / 12.0), dt / 2.0
     for b in range(ROWS * COLUMNS):
         u[b] += dt * v[b] + ahead * a[b]
@@ -71,7 +125,10 @@ def predict(u: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float) -> None:
 
 @block_kernel
 def load_pads(parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray, load: np.ndarray) -> None:
-    """Loads of the pads on the rails of slab track."""
+    """Fill the rows of nodes of ``load`` with the loads of pads and end dampers on the rails of slab track.
+
+    Parameters as in ``load_sleepers``.
+    """
     for rail in range(2):
         k, c, on = (PADS + rail) * COLUMNS, (PADS + 2 + rail) * COLUMNS, 2 * rail * COLUMNS
         for b in range(COLUMNS):
@@ -85,9 +142,22 @@ def load_pads(parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray
 def load_sleepers(
     parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray, load: np.ndarray, work: np.ndarray
 ) -> None:
-    """Loads of pads and ballast on sleepers and rails.
+    """Fill the rows of nodes and sleepers of ``load`` with what pads, ballast, sleepers and end dampers do.
 
-    ``work`` takes sum and difference of what the two halves of the ballast do to each mode, then what both pads do.
+    The ballast under the two halves does k_1 B_1 + k_2 B_2 to the modes. B_1 and B_2 agree between modes of the same
+    symmetry and differ in sign between others, so the former take k_1 + k_2 and the latter k_1 - k_2. Likewise the sum
+    of both pads' forces acts on symmetric modes, their difference on antisymmetric ones.
+
+    Parameters
+    ----------
+    parts, window
+        Parts of the bays, and their rows of factors, (FACTORS COLUMNS,).
+    u, v
+        u* and v*, (ROWS COLUMNS,).
+    load
+        Filled, (ROWS COLUMNS,), N, N m, N / sqrt(kg).
+    work
+        Scratch, ((4 HALF + 4) COLUMNS,): k_1 + k_2, then k_1 - k_2, times each mode; deflection and rate at the seats.
     """
     n = COLUMNS
     for j in range(2 * HALF):
@@ -150,7 +220,11 @@ def load_sleepers(
 
 @block_kernel
 def load_hanging(parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray, load: np.ndarray) -> None:
-    """Ballast under hanging sleepers: it pushes where the gap is closed, and never pulls."""
+    """Add the loads of the ballast under hanging sleepers: it pushes where the gap is closed, and never pulls.
+
+    A node of the sleeper with the deflection u and the rate v is pushed with its share of k (u - gap) + c v where both
+    u > gap and this force is positive. Parameters as in ``load_sleepers``.
+    """
     n = COLUMNS
     for side in range(2):
         for b in range(NODES):
@@ -171,7 +245,19 @@ def load_hanging(parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndar
 
 @block_kernel
 def load_rails(parts: LineParts, inertia: np.ndarray, window: np.ndarray, u: np.ndarray, load: np.ndarray) -> None:
-    """Loads on nodes and modes of both rails; modes and sleepers condensed into the nodes."""
+    """Complete the loads on both rails: stiffness of the rail, then modes and sleepers condensed into the nodes.
+
+    Parameters
+    ----------
+    parts, window
+        Parts of the bays, and their rows of factors, (FACTORS COLUMNS,).
+    inertia
+        m_i, (RAIL_MODES,).
+    u
+        u*, (ROWS COLUMNS,).
+    load
+        f on entry, g on the nodes on return, (ROWS COLUMNS,); rows of modes hold f_i and f_s.
+    """
     n, k, c = COLUMNS, parts.stiffness, parts.coupling
     for rail in range(2):
         w, t = 2 * rail * n, (2 * rail + 1) * n
@@ -200,7 +286,7 @@ def load_rails(parts: LineParts, inertia: np.ndarray, window: np.ndarray, u: np.
 
 @block_kernel
 def sweep(window: np.ndarray, load: np.ndarray) -> None:
-    """Loads of all nodes condensed into the three in the middle, from both ends at a time."""
+    """Condense the loads g of all nodes into the three in the middle, from both ends at the same time."""
     n = COLUMNS
     for behind in range(MIDDLE - 1):
         ahead = NODES - 1 - behind
@@ -215,7 +301,7 @@ def sweep(window: np.ndarray, load: np.ndarray) -> None:
 
 @block_kernel
 def spread(window: np.ndarray, load: np.ndarray, a: np.ndarray) -> None:
-    """Accelerations of the nodes, from the middle to both ends."""
+    """Fill ``a`` for all nodes from the three in the middle, towards both ends at the same time."""
     n = COLUMNS
     for away in range(MIDDLE - 1):
         behind, ahead = MIDDLE - 2 - away, MIDDLE + 2 + away
@@ -230,7 +316,10 @@ def spread(window: np.ndarray, load: np.ndarray, a: np.ndarray) -> None:
 
 @block_kernel
 def spread_in_bays(coupling: np.ndarray, push: np.ndarray, window: np.ndarray, load: np.ndarray, a: np.ndarray) -> None:
-    """Accelerations of the modes of rails and sleepers."""
+    """Fill ``a`` for the modes of rails and sleepers from the accelerations of the nodes.
+
+    ``coupling`` is c, (4, RAIL_MODES), and ``push[1:]`` begins with the inertia m_i of the rail's modes.
+    """
     n = COLUMNS
     for rail in range(2):
         w, t = 2 * rail * n, (2 * rail + 1) * n
@@ -259,7 +348,7 @@ def spread_in_bays(coupling: np.ndarray, push: np.ndarray, window: np.ndarray, l
 
 @block_kernel
 def correct(u: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float) -> None:
-    """What ``predict`` has left out."""
+    """Add to u* and v* what the accelerations ``a`` of the step of ``dt`` s contribute, (ROWS COLUMNS,) each."""
     at_once, half = dt * dt / 12.0, dt / 2.0
     for b in range(ROWS * COLUMNS):
         u[b] += at_once * a[b]

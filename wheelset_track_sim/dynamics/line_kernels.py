@@ -1,6 +1,27 @@
-"""The ``line`` dynamics step by step: the interface of the coupled step, and how the bays move on.
+"""The ``line`` dynamics step by step: what the wheels' forces do to the bays, and how the bays move on.
 
-``line`` explains the method, ``line_bay_kernels`` the layout of bays in memory.
+``line_bay_kernels`` derives the step of the bays and has the symbols; ``causal_kernels`` steps the wheelset.
+
+Force and deflection. A force F on a rail at a place x acts on w and theta of three nodes with the shapes phi_e, (6,),
+and on the modes of the spans behind and ahead with the shapes phi_i. Condensed onto the nodes it is psi F::
+
+    psi = phi_e - sum_i c_i phi_i / m_i                                                   ``LineSteps.pushes``
+
+Let g be the loads without F condensed into the three nodes, and H (12, 12) the inverse of their inertia (``hub``). Then
+a_nodes = H (g + psi F) and a_i = (f_i + phi_i F - c_i.a_ends) / m_i, so the rail deflects at x, at that step, by::
+
+    xi = phi.u' = phi.u* + dt^2/12 phi.a'
+       = [phi.u* + dt^2/12 (psi.H g + sum_i phi_i f_i / m_i)]                             ``Bays.coming``
+       + [dt^2/12 (psi.H psi + sum_i phi_i^2 / m_i) + static residual of higher modes] F  ``Bays.rail_compliance``
+
+The first part is known before F. The second is a compliance, with which the contact is solved. So the force of a step
+moves the bays at that step, without an iteration between contact and track.
+
+Approximations. The compliance is the mean over both rails, which differ where their supports do: by 4e-4 with a scatter
+of the pads of 20 % at 100 km/h. What a force does to the other rail at once, less than 1e-5 of that, is left out.
+
+Moving on. When the wheels have passed the middle between two sleepers, all columns move on by one, and the factors of
+the bays now at hand are copied into ``window``. The column that comes in ahead is at rest.
 """
 
 from __future__ import annotations
@@ -34,39 +55,42 @@ from .line_bay_kernels import (
 
 
 class LineSteps(NamedTuple):
-    """What follows from the speed; N bays of the bays, L places around a sleeper."""
+    """What follows from the speed; N bays of the line, L places around a sleeper."""
 
-    dt: float
-    inertia: np.ndarray  # (RAIL_MODES,) of a mode with its stiffness
-    pushes: np.ndarray  # (L, 6) on three nodes by a unit force at a place, modes condensed
-    own: np.ndarray  # (L,) m/N of modes and residual at the step of the force
-    factors: np.ndarray  # (FACTORS + 32, N)
-    middle: np.ndarray  # (N, 12, 12) inverse of the inertia of three nodes
+    dt: float  # s
+    inertia: np.ndarray  # (RAIL_MODES,) m_i, with kappa times the stiffness of the mode
+    pushes: np.ndarray  # (L, 6) psi at a place
+    own: np.ndarray  # (L,) m/N, dt^2/12 sum_i phi_i^2 / m_i and the static residual
+    factors: np.ndarray  # (FACTORS + 32, N), rows as in ``line_bay_kernels``
+    middle: np.ndarray  # (N, 12, 12) H around each sleeper
 
 
 class Bays(NamedTuple):
     """State and coefficients of the bays at hand.
 
-    The state is the predictor at the coming step: deflections and velocities but for its accelerations.
+    The state is the predictor u*, v* of the coming step, whose accelerations depend on the forces to come.
     """
 
-    coming: np.ndarray  # (2, 2) m displacements of wheels and rails at the coming step, but for its own force
+    coming: np.ndarray  # (2, 2) m displacements of wheels and rails at the coming step, without its own force
     rail_compliance: np.ndarray  # (1,) m/N of the force at the coming step, mean of both rails
-    deflection: np.ndarray  # (ROWS COLUMNS,)
-    velocity: np.ndarray  # (ROWS COLUMNS,)
-    acceleration: np.ndarray  # (ROWS COLUMNS,)
-    load: np.ndarray  # (ROWS COLUMNS,) N on the unknowns at the coming step, but for the wheels
-    work: np.ndarray  # ((4 HALF + 4) COLUMNS,)
-    window: np.ndarray  # (FACTORS COLUMNS,) of the bays at hand
-    hub: np.ndarray  # (12, 12) ``middle`` of the bay at hand
-    push: np.ndarray  # (7 + 3 RAIL_MODES,) of the coming step: dt, inertia, pushes, shapes of modes
-    at: np.ndarray  # (2,) sleeper in the middle at the coming step; 0 if the window is not that of ``steps``
+    deflection: np.ndarray  # (ROWS COLUMNS,) u*
+    velocity: np.ndarray  # (ROWS COLUMNS,) v*
+    acceleration: np.ndarray  # (ROWS COLUMNS,) a of the step before
+    load: np.ndarray  # (ROWS COLUMNS,) loads at the coming step, without the wheels', condensed into the middle
+    work: np.ndarray  # ((4 HALF + 4) COLUMNS,) scratch
+    window: np.ndarray  # (FACTORS COLUMNS,) factors of the bays at hand
+    hub: np.ndarray  # (12, 12) H of the bay at hand
+    push: np.ndarray  # (7 + 3 RAIL_MODES,) of the coming step: dt, m_i, psi, phi_i
+    at: np.ndarray  # (2,) sleeper in the middle at the coming step; 1 if the window is that of ``steps``, else 0
     parts: LineParts
     steps: LineSteps
 
 
 class Line(NamedTuple):
-    """The whole system: the wheelset as in ``causal_kernels.Causal``, arrays of ``bays`` that are looked at."""
+    """The whole system: the wheelset as in ``causal_kernels.Causal``, and the bays.
+
+    ``coming`` and ``rail_compliance`` are the arrays of ``bays``.
+    """
 
     wheels: np.ndarray
     wheel_modes: int
@@ -77,7 +101,7 @@ class Line(NamedTuple):
     coming: np.ndarray
     rail_compliance: np.ndarray
     bays: Bays
-    move: Any  # ``move`` by its address: who steps is compiled without it
+    move: Any  # ``move`` by its address, so that the stepping loop is compiled without it
     speed: float  # m/s
 
 
@@ -87,7 +111,7 @@ stresses = causal_kernels.stresses
 
 @summing_kernel
 def advance(dynamics: Line, step: int, forces: np.ndarray) -> None:
-    """Take in the ``forces`` (2,) N of ``step`` and move on to the next one."""
+    """Apply the ``forces``, (2,), N, of ``step`` and move on to the next one."""
     coming, one, two = dynamics.coming, forces[0], forces[1]
     coming[0, 0], coming[0, 1] = advance_wheels(dynamics, one, two)
     dynamics.move(dynamics.bays, step + 1, one, two)
@@ -95,7 +119,7 @@ def advance(dynamics: Line, step: int, forces: np.ndarray) -> None:
 
 @block_kernel
 def move(bays: Bays, step: int, one: float, two: float) -> int:
-    """Take in the forces of wheel 1 and 2, N, at the coming step, and move on to ``step``, which then comes."""
+    """Apply the forces of wheel 1 and 2, N, at the coming step, and move on to ``step``, the next one; returns it."""
     _accelerate(bays, one, two)
     _foresee(bays, step)
     return step
@@ -103,7 +127,7 @@ def move(bays: Bays, step: int, one: float, two: float) -> int:
 
 @summing_kernel
 def _foresee(bays: Bays, step: int) -> None:
-    """From the motion of the step before: the predictor of ``step``, its loads, and what the rails displace there."""
+    """From the motion of the step before, find the predictor of ``step``, its loads and the coming displacements."""
     places = bays.parts.shapes.shape[0]
     from_first = step + places // 2
     sleeper = from_first // places
@@ -129,7 +153,7 @@ def _foresee(bays: Bays, step: int) -> None:
 
 @summing_kernel
 def _take_factors(bays: Bays) -> None:
-    """Copy what belongs to the bays at hand."""
+    """Copy the factors of the bays at hand into ``window`` and ``hub``."""
     factors, count = bays.steps.factors, bays.steps.factors.shape[1]
     for b in range(NODES):
         bay = (bays.at[0] - MIDDLE + b) % count
@@ -143,7 +167,7 @@ def _take_factors(bays: Bays) -> None:
 
 @summing_kernel
 def _see(bays: Bays, place: int) -> None:
-    """Fill ``coming``, ``rail_compliance`` and ``push`` for the coming step at a ``place`` around the sleeper."""
+    """Fill ``coming``, ``rail_compliance`` and ``push`` for the coming step at a ``place``, 0 to L - 1."""
     n, m, load, u, hub, push = COLUMNS, RAIL_MODES, bays.load, bays.deflection, bays.hub, bays.push
     shape, pushes, inertia = bays.parts.shapes[place], bays.steps.pushes[place], bays.steps.inertia
     at_once = bays.steps.dt * bays.steps.dt / 12.0
@@ -179,7 +203,7 @@ def _see(bays: Bays, place: int) -> None:
 
 @summing_kernel
 def _accelerate(bays: Bays, one: float, two: float) -> None:
-    """Accelerations at the step whose predictor is at hand, under the forces of both wheels, N; correct the motion."""
+    """Solve for the accelerations of the step at hand under the forces of both wheels, N, and correct the motion."""
     n, m, load, push, a = COLUMNS, RAIL_MODES, bays.load, bays.push, bays.acceleration
     for rail in range(2):
         force = one if rail == 0 else two

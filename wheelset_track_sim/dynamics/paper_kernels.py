@@ -1,7 +1,25 @@
 """The ``paper`` dynamics step by step: convolution with Green's functions, Eqs (4) to (7) and (16), as printed.
 
-The forces before the run are the static load ``P``, for ever. So the convolutions run over ``F - P``, and what the
-constant ``P`` displaces is added: a constant at the wheels, and on the rail a function of the place in the bay.
+With Green's functions integrated over a step (Eqs (3) and (15)), G~[n] in m/N, the displacements at step alpha are::
+
+    wheels   xi_m[alpha] = sum_j sum_n>=1 G~_mj[n] F_j[alpha - n]                                  Eqs (4), (5)
+    rails    xi_m[alpha] = sum_j sum_n>=1 G~_mj,X(alpha - n)[n] F_j[alpha - n] + G~_X(alpha)[0] F_m[alpha]
+                                                                                                   Eqs (6), (7)
+    stress   sigma[alpha] = sum_j sum_n>=1 S~_j[n] F_j[alpha - n]                                  Eq. (16)
+
+Here n counts from 0, in the paper from 1. G~_X are the moving Green's functions of a load that hit the rail at the
+place X of the bay. The wheel's first value is zero (Section 2.3); the rail's acts on its own rail only, as a
+compliance.
+
+Static load. Before the run the force has been P for ever. The sums run over F - P of the run, and what P displaces is
+added: a constant at the wheels, and a periodic function of the place in the bay on the rails.
+
+Order of the sums. At the wheels G~ is the same at all steps, so each step sums over the past: N multiply-adds. On the
+rails G~ depends on the place of the load, so each force is added to the displacements of the M coming steps instead, in
+a ring buffer: the same sum in another order, and each table row is read once.
+
+Accuracy: as printed. The rule in time is the trapezoidal one, and receptances are limited in frequency. Cost: 4 N + 4 M
+multiply-adds a step, and 2 N for each stress component. A run is limited to N steps.
 """
 
 from __future__ import annotations
@@ -46,7 +64,7 @@ def displacements(dynamics: Paper, step: int, xi: np.ndarray) -> None:
 
 @summing_kernel
 def advance(dynamics: Paper, step: int, forces: np.ndarray) -> None:
-    """Take in the ``forces`` (2,) N of ``step``: into the past, and into what is to come on the rails."""
+    """Apply the ``forces``, (2,), N, of ``step``: to the past, and to the coming displacements of the rails."""
     place = step % dynamics.rail_static.size
     samples = dynamics.coming.shape[1]
     slot = step % samples
@@ -77,7 +95,7 @@ def stresses(dynamics: Paper, forces: np.ndarray, stress: np.ndarray) -> None:
 
 @summing_kernel
 def _convolution(green: np.ndarray, past: np.ndarray, count: int) -> float:
-    """Sum over n of green[n] times the force n steps ago, n = 1 to ``count``."""
+    """Sum over n = 1 to ``count`` of green[n] times the force n steps ago; ``past`` has the newest first."""
     before = past.size - count - 1
     total = 0.0
     for n in range(1, min(count, green.size - 1) + 1):

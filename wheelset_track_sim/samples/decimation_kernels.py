@@ -1,4 +1,4 @@
-"""The sums of the decimation filter."""
+"""The sums of the decimation filter: output k is sum_n h[n - k M] x_n, with the factor M, added up as x_n arrives."""
 
 from __future__ import annotations
 
@@ -14,10 +14,23 @@ def accumulate(
     weights: Real,
     samples: Real,
 ) -> None:
-    """Add the ``samples`` (signals, n) of consecutive steps to the outputs ``sums`` (signals, outputs) they belong to.
+    """Add the samples of consecutive steps to the outputs that they are part of.
 
-    The step ``number * factor + phase`` is part of output ``number - reach + i`` with ``weights[phase, i]``, shape
-    (factor, 2 reach + 1). Each output adds up step by step, so that its bits do not depend on how a run is cut.
+    Each output adds up step by step, so its bits do not depend on how a run is cut into blocks.
+
+    Parameters
+    ----------
+    sums
+        Outputs, (signals, outputs); changed in place.
+    first_output
+        Number of the first of these outputs.
+    first_step
+        Step of the first sample.
+    weights
+        Filter, (factor, 2 reach + 1). The step ``number * factor + phase`` is part of output ``number - reach + i``
+        with ``weights[phase, i]``.
+    samples
+        (signals, n).
     """
     factor, span = weights.shape
     row, rows = 0, samples.shape[1]
@@ -25,7 +38,7 @@ def accumulate(
         number = (first_step + row) // factor
         phase = first_step + row - number * factor
         place = number - span // 2 - first_output
-        low = max(-place, 0 if phase == 0 else 1)  # what is complete, or before the first output, stays as it is
+        low = max(-place, 0 if phase == 0 else 1)  # outputs that are complete, or before the first, stay as they are
         four = phase + 4 <= factor and row + 4 <= rows  # at a time, which spares most of the loads and stores
         for signal in range(len(samples)):
             target = sums[signal, place + low : place + span]

@@ -1,9 +1,23 @@
-"""Finite elements of one bay of a half track: the cell that both the finite track and the ring repeat.
+"""Finite elements of one bay of a half track: the cell that both the finite track and the ring repeat (Section 4).
 
-A cell's unknowns are those of its half sleeper, then ``[w, theta]`` of the rail nodes from above its sleeper up to, but
-not including, the next sleeper: ``n`` in all. Its equations reach the cells on both sides::
+Half a track. The track is symmetric about its centre. Forces F_1 and F_2 on its rails are the sum of a symmetric load,
+(F_1 + F_2) / 2 on both, and an antisymmetric one, (F_1 - F_2) / 2 on rail 1 and its negative on rail 2. Each is solved
+on one rail and half a sleeper. At the centre of the sleeper the rotation is zero in the symmetric half, the deflection
+in the antisymmetric one.
 
-    (A u)_n = A_0 u_n + A_1 u_{n+1} + A_1^T u_{n-1},     A one of M, C, K.
+A cell. It has n unknowns: the half sleeper's, then ``[w, theta]`` of the rail nodes from above its sleeper to the last
+one before the next sleeper. Local matrices A over the cell and the first rail node of the next cell, (n + 2,
+n + 2), have the blocks A_uu, A_un, A_nn. Put together, with u_k the unknowns of cell k::
+
+    (A u)_k = A_0 u_k + A_1 u_{k+1} + A_1^T u_{k-1},     A one of M, C, K
+    A_0 = A_uu + A_nn on the cell's own first rail node,     A_1 = A_un on that of the next cell
+
+The pad between sleeper and rail has the compression w - seat.u_sleeper. It turns with the rail above a sleeper that
+does not turn (Eqs (20), (21)). The ballast acts at each node of the sleeper with the share l / L of its stiffness and
+damping, where l is the node's tributary length and L the sleeper's length.
+
+Accuracy: elements with consistent mass (``timoshenko``), whose nodal statics are exact. The reduced cell
+(``reduce_bay``) keeps statics as they are, and the rail's modes between two sleepers up to its number of modes.
 """
 
 from __future__ import annotations
@@ -22,7 +36,10 @@ from .track import Half, Track
 
 @dataclass(frozen=True, eq=False)
 class HalfSleeper:
-    """Half a sleeper on ballast with the condition of its half track at the centre: ``K + i omega C - omega^2 M``."""
+    """Half a sleeper on ballast with the condition of its half track at the centre.
+
+    Its dynamic stiffness is ``K + i omega C - omega^2 M``.
+    """
 
     mass: Real  # (n, n)
     damping: Real  # (n, n)
@@ -30,7 +47,10 @@ class HalfSleeper:
     seat: Real  # (n,) shape functions at the rail seat
 
     def receptance(self, omega: Real) -> Complex:
-        """Receptance (...,) at the rail seat, m/N, at ``omega`` (rad/s), from the poles of the half sleeper."""
+        """Receptance (...,) at the rail seat, m/N, at ``omega`` (rad/s), from the poles of the half sleeper.
+
+        The state [u, u'] has poles p and shapes; the receptance is the sum of residue / (i omega - p).
+        """
         n = self.seat.size
         inverse = np.linalg.inv(self.mass)
         state = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ self.stiffness, -inverse @ self.damping]])
@@ -46,8 +66,8 @@ class HalfSleeper:
 def half_sleeper(track: Track, half: Half) -> HalfSleeper:
     """Finite elements of the sleeper from its centre (no rotation, or no deflection, there) to its free end.
 
-    The ballast stands at the nodes by tributary length. A rail seat between nodes takes the shape functions there. On
-    slab track it has no unknowns.
+    Ballast acts at the nodes by tributary length. A rail seat between nodes has the shape functions there. On slab
+    track there are no unknowns.
     """
     sleeper, ballast = track.sleeper, track.ballast
     if sleeper is None or ballast is None:
@@ -137,9 +157,9 @@ class Bay:
 
 
 def assemble_bay(track: Track, half: Half, elements: int | None = None) -> Bay:
-    """Cell of a half track: the half sleeper, the rail to the next sleeper, pad springs between them.
+    """Cell of a half track: the half sleeper, the rail to the next sleeper, and the pad between them.
 
-    ``elements`` is the number of rail elements; left out, it is the track's own.
+    ``elements`` is the number of rail elements; the default is the track's own.
     """
     sleeper = half_sleeper(track, half)
     count = elements or track.rail.elements_per_bay
@@ -164,10 +184,11 @@ def assemble_bay(track: Track, half: Half, elements: int | None = None) -> Bay:
 
 
 def reduce_bay(bay: Bay, modes: int) -> Bay:
-    """Cell with the rail between two sleepers replaced by its static shapes and its lowest ``modes`` modes.
+    """Replace the rail between two sleepers by its static shapes and its lowest ``modes`` modes with held ends.
 
-    The rail's ends are held in these modes (R. R. Craig and M. C. C. Bampton, "Coupling of substructures for dynamic
-    analyses", AIAA Journal 6 (1968) 1313-1319), so statics stay as exact as they were.
+    The inner unknowns u_i follow the others, u_b, as u_i = -K_ii^-1 K_ib u_b + Phi eta, with the modes
+    K_ii Phi = M_ii Phi diag(omega^2) of the rail whose ends are held. K then has no coupling between u_b and eta, so
+    statics stay as exact as they were (R. R. Craig and M. C. C. Bampton, AIAA Journal 6 (1968) 1313-1319).
     """
     size = bay.mass.shape[0]
     inner = np.arange(bay.below + 2, size - 2)

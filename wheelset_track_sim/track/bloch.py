@@ -1,11 +1,35 @@
-"""Receptances of the infinite track by Bloch waves: exact, and vectorised over frequency.
+"""Receptances of the infinite track by Bloch waves: exact, and vectorised over frequency (Section 4, Fig. 7).
 
-The rail of a bay is solved exactly (transfer matrix of the Timoshenko beam), so between sleepers there are no elements.
-With the bay's dynamic stiffness ``D`` between its two ends and the support's stiffness ``S`` the ends obey::
+Rail of a bay. The beam's harmonic solution [w, theta, Q, M] over a bay of length l is y(l) = T y(0), without elements
+(``timoshenko.transfer_matrix``). With the 2 x 2 blocks T_11, T_12 of T, the loads on both ends are D u::
 
-    D_21 u_{n-1} + (D_22 + D_11 + S) u_n + D_12 u_{n+1} = f_n,     u = [w, theta].
+    D_11 = T_12^-1 T_11,    D_12 = -T_12^-1,    u = [w, theta]   (m, rad),   loads [force, moment]   (N, N m)
 
-The bay is symmetric, so a wave ``u_n = z^n v`` leads to a quadratic in ``z + 1/z``: two waves decay to either side.
+The bay is its own mirror image, w(-x) = w(x) and theta(-x) = -theta(x). So D_22 is D_11 with the signs of its
+off-diagonal entries turned, and D_12 = [a, b; -b, d] = D_21^T.
+
+Supports. A pad in series with half a sleeper has the stiffness S_w = 1 / (1 / (k + i omega c) + receptance), N/m.
+Against rotation the pad has S_theta = k_rot + i omega c_rot, N m (Eqs (20), (21)). With P = 2 (D_11)_ww + S_w and
+R = 2 (D_11)_tt + S_theta, the rail above the sleepers n obeys::
+
+    D_12^T u_{n-1} + diag(P, R) u_n + D_12 u_{n+1} = f_n
+
+Waves. Without load u_n = z^n v gives two homogeneous equations. Their determinant is a quadratic in mu = z + 1/z::
+
+    [ P + a mu         b (z - 1/z) ]
+    [ -b (z - 1/z)     R + d mu    ] v = 0,      (P + a mu) (R + d mu) + b^2 (mu^2 - 4) = 0
+
+Each mu has one z with |z| <= 1: two waves decay towards +x, and their mirror images towards -x.
+
+Loads. A unit force at sleeper 0 causes no rotation there, a unit moment no deflection. With the two waves ahead and
+their mirror images behind, that condition and the balance at the sleeper give both amplitudes (``_amplitudes``). A load
+inside a bay reaches its two ends in shares, which are the shape functions there (reciprocity). In its own bay the
+deflection of the rail with both ends held is added (``BlochTrack._local``).
+
+Accuracy: exact for the model, up to rounding. Over a bay of 0.6 m the transfer matrix keeps 12 digits at 5 kHz and 6 at
+10 kHz. Cost: one small system for each frequency, and one product for each response.
+
+Source: derived here; Bloch (Floquet) waves of a periodic structure.
 """
 
 from __future__ import annotations

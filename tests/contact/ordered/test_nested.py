@@ -15,6 +15,7 @@ from wheelset_track_sim.contact import (
 from wheelset_track_sim.contact.active_set_kernels import CONVERGED, solve_active_set
 from wheelset_track_sim.contact.law_kernels import solve_contact, solve_nested, total_separation
 from wheelset_track_sim.contact.ordered.nested import nested_contacts
+from wheelset_track_sim.contact.ordered.nested_kernels import solve_in_order
 from wheelset_track_sim.contact.ordered.order_kernels import FAR
 from wheelset_track_sim.contact.ordered.panel_kernels import factored, inverted, multiply, multiply_transposed, row
 from wheelset_track_sim.irregularities import Breakout, Roughness
@@ -246,6 +247,20 @@ def test_order_is_that_of_contacts_which_grow(smooth):
     assert nested.beyond[-1] == smooth.separation[0].ravel()[left_out].min()
     assert not {0, nx - 1} & set(nested.element // ny)
     assert not {0, ny - 1} & set(nested.element % ny)
+
+
+@pytest.mark.parametrize("m", [10, 250, 600])
+def test_a_flat_punch_bears_on_all_of_its_elements(smooth, m):
+    """More of them are close to the deepest one than under a round surface: the smooth contact must not exceed them."""
+    nested = smooth.nested[0]
+    i, j = np.divmod(nested.element[:m], smooth.separation.shape[2])
+    A = smooth.influence[abs(i[:, None] - i), abs(j[:, None] - j)]
+    elements, pressure = np.zeros(m, bool), np.empty(m)
+    force, _, status = solve_in_order(nested, np.zeros(m), smooth.element_area, 1e-5, 0.0, elements, pressure)
+    assert status == CONVERGED
+    assert elements.all()
+    np.testing.assert_allclose(pressure, np.linalg.solve(A, np.full(m, 1e-5)), rtol=1e-9)
+    assert force == pytest.approx(pressure.sum() * smooth.element_area, rel=1e-12)
 
 
 def test_pressures_act_at_least_as_at_their_mean_distance(smooth):

@@ -1,4 +1,30 @@
-"""What sets a contact of rough surfaces apart from one of smooth surfaces: elements out of order, and their system."""
+"""Elements out of order, and the small system that joins them to a smooth contact.
+
+``nested_kernels`` derives the system for the k elements out of order: R removed before place n, T added from n on. With
+L = ``factor`` and L^-1 = ``inverse``, C are the columns R of L_n^-1, and B and D are the rows T of L before and from
+column n on::
+
+    [ -C^T C   (B C)^T ] [ x_R ]   [ C^T y    ]          [ C^T h   ]
+    [  B C      D D^T  ] [ x_T ] = [ o_T - B y ] - c0 F  [ 1 - B h ],      o = delta - g (``overlap``)
+            Q                         load                  punch
+
+Storage. Each such element has a slot that holds its column of C or its row of L (``rows``), its products with all
+other slots (``gram``) and both its right-hand sides. A slot depends on nothing but its element, so it stays filled
+while the set of a step changes, and each trial works out the products of new elements only. Columns of C are zero
+before row c, rows of L beyond column c. So products run from ``low`` to ``high`` only, which enclose all elements out
+of order.
+
+Elimination. Q is quasi-definite: C^T C and D D^T are positive definite, because columns of L^-1 are independent, and so
+are the rows of D. Such a matrix has a factorisation into triangles with a diagonal of both signs, whatever the order
+(R. J. Vanderbei, SIAM J. Optim. 5 (1995) 100-113), so elimination needs no pivots::
+
+    Q = U^T diag(pivot) U,    U_aa = 1 / pivot_a,    U^T diag(pivot) [l', r'] = [load, punch],
+    punch.Q^-1 load = sum_a l'_a r'_a pivot_a,    punch.Q^-1 punch = sum_a r'_a^2 pivot_a.
+
+After elimination the array holds U, l' and r'. It takes k^3 / 6 multiply-adds, four equations at a time.
+
+Source: derived here; Schur complements of a Cholesky factor.
+"""
 
 from __future__ import annotations
 
@@ -12,32 +38,32 @@ from ...runtime.jit import block_kernel, summing_kernel
 from .panel_kernels import PANEL, Vector, add_scaled, clear, dot, dot_4, row, width
 
 MOST_DIFFERENCES = 96
-"""Beyond, a factorisation of all elements in contact takes no longer."""
+"""Most elements out of order. With more, a factorisation of all elements in contact takes no longer."""
 
 HALF = MOST_DIFFERENCES + 4
-"""Slots of each kind: products are taken four at a time, over some that are not there yet."""
+"""Slots of each kind. Products are taken four at a time, so they run over up to three slots that are not taken yet."""
 
 
 class OutOfOrder(NamedTuple):
-    """What is worked out about elements out of order; those removed have slots from 0 on, those added from HALF on."""
+    """Slots of elements out of order: removed ones from slot 0 on, added ones from slot HALF on."""
 
     taken: NDArray[np.int64]
-    """Slots taken by removed and by added elements, (2,)."""
+    """Ends of the slots taken by removed and by added elements, (2,)."""
     slot: NDArray[np.int64]
-    """Of each place in the order; -1 where there is none, (m,)."""
+    """Slot of each place in the order; -1 where there is none, (m,)."""
     rows: Real
-    """By slot: column of L^-1 of a removed element, row of L of an added one, between the columns in use."""
+    """Column of L^-1 of a removed element, row of L of an added one, (2 HALF, columns); filled from low to high."""
     gram: Real
-    """Matrix of the system, by slots, below the diagonal and on it."""
+    """Q by slots, on and below the diagonal, (2 HALF, 2 HALF)."""
     load: Vector
-    """Right-hand side of the overlap, by slot."""
+    """Right-hand side of the overlap by slot, (2 HALF,)."""
     punch: Vector
-    """Right-hand side of a flat punch, by slot."""
+    """Right-hand side of a flat punch by slot, (2 HALF,)."""
 
 
 @block_kernel
 def no_differences(m: int, columns: int) -> OutOfOrder:
-    """None, of ``m`` elements, with rows of a number of ``columns``."""
+    """Empty slots for m candidates, with rows of a number of ``columns``; nothing is filled in."""
     return OutOfOrder(
         taken=np.zeros(2, np.int64),
         slot=np.empty(m, np.int64),
@@ -50,7 +76,7 @@ def no_differences(m: int, columns: int) -> OutOfOrder:
 
 @block_kernel
 def forget(d: OutOfOrder) -> None:
-    """Take all slots away."""
+    """Empty all slots."""
     d.taken[0], d.taken[1] = 0, HALF
     for c in range(len(d.slot)):
         d.slot[c] = -1
@@ -58,10 +84,23 @@ def forget(d: OutOfOrder) -> None:
 
 @block_kernel
 def out_of_order(in_contact: NDArray[np.bool_], n: int, marks: NDArray[np.uint8], places: NDArray[np.int64]) -> int:
-    """Fill ``places`` with those before ``n`` that are not in contact and those beyond that are; returns the number.
+    """List the elements out of order: not in contact before place ``n``, or in contact from ``n`` on.
 
-    Beyond MOST_DIFFERENCES, counting ends. ``marks`` is as long as ``in_contact`` or longer, in eights, and zero at its
-    end.
+    Parameters
+    ----------
+    in_contact
+        By place, (m,).
+    n
+        Elements of the smooth contact.
+    marks
+        Scratch, at least (m,) and a multiple of 8 long, with zeros from m on. Eight marks are looked at at a time.
+    places
+        Filled with the places, rising, (MOST_DIFFERENCES + 1,).
+
+    Returns
+    -------
+    k
+        Their number, at most MOST_DIFFERENCES + 1.
     """
     for c in range(len(in_contact)):
         marks[c] = in_contact[c] != (c < n)
@@ -78,7 +117,7 @@ def out_of_order(in_contact: NDArray[np.bool_], n: int, marks: NDArray[np.uint8]
 
 @summing_kernel
 def products(rows: Real, begin: int, end: int, own: Vector, low: int, high: int, sums: Vector) -> None:
-    """Fill ``sums[begin:end]`` with products of those ``rows`` with ``own``, from column ``low`` to ``high``."""
+    """Fill ``sums[begin:end]`` with the products of these ``rows`` with ``own`` over columns ``low`` to ``high``."""
     for o in range(begin, end, 4):
         sums[o], sums[o + 1], sums[o + 2], sums[o + 3] = dot_4(
             own[low:high], rows[o, low:], rows[o + 1, low:], rows[o + 2, low:], rows[o + 3, low:]
@@ -97,9 +136,29 @@ def take_in(
     y: Vector,
     overlap: Vector,
 ) -> bool:
-    """Work out what the elements at ``places`` need that have no slot yet; False if there are not enough slots.
+    """Fill slots for those elements at ``places`` that have none.
 
-    Places lie between ``low`` and ``high``, beyond which products are zero.
+    Parameters
+    ----------
+    factor, inverse
+        L and its inverse, in panels.
+    punch
+        h, (n,) or longer, sqrt(Pa/m).
+    d
+        Slots; changed in place.
+    places
+        Places of the elements out of order, (k,).
+    low, high
+        Columns that hold all of them; multiples of 32, so that sums are made up of the same parts for any width.
+    y
+        L_n^-1 o, (n,), sqrt(m Pa).
+    overlap
+        o = delta - g, (m,) or longer, m.
+
+    Returns
+    -------
+    enough
+        False if there are not enough slots.
     """
     n = len(y)
     sums = np.empty(2 * HALF)
@@ -139,11 +198,25 @@ def take_in(
 
 @block_kernel
 def triangular_system(d: OutOfOrder, places: NDArray[np.int64], Q: Real, pivot: Vector) -> tuple[float, float]:
-    """Put the system of the elements at ``places`` (k,) into ``Q`` and eliminate, with inverse pivots.
+    """Collect the system of the elements out of order and eliminate it.
 
-    It is filled up to fours with equations of their own, and columns with its right-hand sides follow. Rows stay
-    symmetric only to the right of the diagonal, in sixteens. Returns what the elements add to the sums of pressures,
-    of the overlap and of a flat punch.
+    Parameters
+    ----------
+    d
+        Slots of these elements.
+    places
+        Their places, (k,).
+    Q
+        Filled with U, then l' and r' as two columns, (HALF, width(HALF + 1)). Equations x = 0 make the number of rows a
+        multiple of 4. Entries left of the diagonal hold nothing of use.
+    pivot
+        Filled with the inverse diagonal of U, (HALF,).
+
+    Returns
+    -------
+    load, punch
+        punch.Q^-1 load, Pa, and punch.Q^-1 punch, Pa/m: what these elements add to the sum of all pressures under the
+        overlap o, and under a flat punch per unit of approach.
     """
     k = len(places)
     fours = (k + 3) & -4
@@ -200,9 +273,24 @@ def solve_system(
     v: Vector,
     w: Vector,
 ) -> None:
-    """Solve the system for ``x``, with an approach that is ``lost``, and add its effects to ``v`` and ``w``.
+    """Solve Q x = load - lost punch by substitution, and add what x does to ``v`` and ``w``.
 
-    ``v`` (n,) belongs to the elements before n, and ``w`` to all.
+    Parameters
+    ----------
+    factor
+        L, in panels.
+    d, places, Q, pivot
+        Eliminated system, as ``triangular_system`` leaves it.
+    lost
+        c0 F, m.
+    x
+        Filled: distances of removed elements, m, and pressures of added ones, Pa, (k or more,).
+    low
+        Column before which columns of C are zero.
+    v
+        Filled with L_n^T p of the first n elements, y - c0 F h + C x_R - B^T x_T, (n,), sqrt(m Pa).
+    w
+        L^T p of all pressures, (columns,). On entry y - c0 F h, then zeros; C x_R and D^T x_T are added.
     """
     n, k = len(v), len(places)
     fours = (k + 3) & -4

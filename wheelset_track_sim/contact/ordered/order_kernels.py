@@ -1,4 +1,29 @@
-"""Elements in the order in which a contact of smooth surfaces takes them in, and what rough surfaces are there."""
+"""Elements in the order in which a contact of smooth surfaces takes them in, and the rough surfaces in that order.
+
+Three steps of ``nested_kernels.solve_in_order`` are here. ``active_set_kernels`` has the symbols.
+
+Candidates. Heights of tread and rail raise no element of the area by more than ``highest``. So an element with a
+nominal separation of delta + highest or more cannot be in contact. ``beyond``, the running minimum of the separation
+from the far end of the order, rises along it. A bisection finds the first place from which on no element can be in
+contact.
+
+Size of the smooth contact. Under spheres of relative radius R (Hertz) the contact reaches out to r^2 = R delta, where
+the separation r^2 / (2 R) is half the approach. So n is the number of elements with
+g < g_min + (delta - g_min) / 2, and 5 % more. With a compliance, delta - g_min is first reduced by c0 F. Hertz's
+F = b (delta - g_min)^(3/2) has the stiffness 3/2 F / (delta - g_min). A flat punch on the present contact has the same
+stiffness, s h.h. Hence F = 2/3 s h.h (delta - g_min - c0 F), and what remains of delta - g_min at the contact is
+(delta - g_min) / (1 + 2/3 c0 s h.h).
+
+Far elements. The influence at a distance r is at least ``far`` / r. Pressures p at x_J displace a point x by::
+
+    u(x) >= far sum_J p_J / |x - x_J| >= far P / sqrt(|x|^2 - 2 x.m + k),
+    P = sum_J p_J,   m = sum_J p_J x_J / P,   k = sum_J p_J |x_J|^2 / P.
+
+The second inequality is Jensen's: 1 / sqrt is convex, and the root is the root mean square distance. An element whose
+overlap is below this bound is not in contact, whatever its true displacement; only for the others is that summed.
+
+Source: K. L. Johnson, Contact Mechanics (1985), Chapter 4, for Hertz; the rest is derived here.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +37,11 @@ from ...runtime.jit import block_kernel, inner_kernel
 from .panel_kernels import PANEL, Vector, dot, row, width
 
 FAR = -1
-"""Status: the contact is not nearly that of smooth surfaces, or larger than what is stored."""
+"""Status: the contact is not nearly smooth, or larger than the stored factor."""
 
 
 class NestedContacts(NamedTuple):
-    """M elements in the order in which a smooth contact takes them in; none where no contact is solved."""
+    """M elements in the order in which a smooth contact takes them in; M = 0 where no contact is solved."""
 
     element: NDArray[np.int64]
     """Flat index in the area (nx, ny), (M,)."""
@@ -27,19 +52,19 @@ class NestedContacts(NamedTuple):
     separation: Vector
     """Of the nominal surfaces, (M,), m."""
     beyond: Vector
-    """Least separation from each place in the order on, elements that are not in it included, (M + 1,), m."""
+    """Least separation from each place in the order on, including elements that are not in it, (M + 1,), m."""
     reach: NDArray[np.int64]
-    """Rows ahead and behind the middle that the elements up to each place in the order lie in, (M + 1,)."""
+    """Distance along x from the middle of the area to the farthest element before each place, in elements, (M + 1,)."""
     factor: Vector
-    """L, in panels, sqrt(m/Pa)."""
+    """Cholesky factor L of the influence matrix, in panels, sqrt(m/Pa)."""
     inverse: Vector
-    """Inverse of the leading block of L, in panels, half of M."""
+    """Inverse of the leading block of L, M / 2 rows in whole panels, sqrt(Pa/m)."""
     punch: Vector
-    """L^-1 times ones, half of M."""
+    """h = L^-1 1, as long as the inverse, sqrt(Pa/m)."""
     own: float
-    """Influence of an element on itself, m/Pa."""
+    """Influence A_00 of an element on itself, m/Pa."""
     far: float
-    """Least product of influence and distance: pressures p act at a distance r by at least ``far`` p / r, m^2/Pa."""
+    """Least product of influence and distance between two elements, m^2/Pa."""
 
 
 @inner_kernel
@@ -55,10 +80,31 @@ def gaps_in_order(
     approach: float,
     gap: Vector,
 ) -> int:
-    """Fill ``gap``, m, of all elements that can be in contact; returns how many, or FAR if more than there are.
+    """Separations g of all elements that can be in contact.
 
-    ``tread`` (n_c, ny) and the rows of ``rail`` that ``rail_row`` (n_r,) names are heights, m, of which no sum within
-    the area of ``shape`` (nx, ny) is above ``highest``.
+    Parameters
+    ----------
+    nested
+        Elements in their order.
+    shape
+        Elements of the area, (nx, ny).
+    tread
+        Heights of the tread, (n_c, ny), m.
+    rail_row, rail
+        Row of ``rail`` at each rail position, (n_r,), and the heights of these rows, (rows, ny), m.
+    tread_index, rail_index
+        Positions at the middle of the area.
+    highest
+        No sum of both heights within the area is above it, m.
+    approach
+        delta, m.
+    gap
+        The first m entries are filled, m.
+
+    Returns
+    -------
+    m
+        Number of candidates; FAR if the order may not hold all of them.
     """
     limit = approach + highest
     beyond = nested.beyond
@@ -92,10 +138,25 @@ def gaps_in_order(
 def smooth_contact(
     nested: NestedContacts, gap: Vector, approach: float, compliance: float, element_area: float
 ) -> tuple[float, float, int]:
-    """Deepest gap, m, the gap at the edge of the contact, m, and elements up to there in whole panels, all by Hertz.
+    """Smooth contact that is nearest to a rough one.
 
-    The edge lies where the gap is half the approach (see ``solve_active_set``); of the approach, the compliance takes
-    a share that follows from a force of 2/3 of that of a flat punch.
+    Parameters
+    ----------
+    nested
+        Elements in their order.
+    gap
+        Separations g of the candidates, (m,), m.
+    approach, compliance, element_area
+        delta, m, c0, m/N, and s, m^2.
+
+    Returns
+    -------
+    deepest
+        Least gap, m.
+    edge
+        Gap at the edge of the contact, m.
+    n
+        Number of elements, in whole panels, at most m.
     """
     m = len(gap)
     deepest = np.inf
@@ -111,8 +172,8 @@ def smooth_contact(
     n = 0
     for c in range(m):
         n += gap[c] < edge
-    n = (n + n // 20 + PANEL // 2) & -PANEL  # elements in contact whose middle is beyond the edge
-    return deepest, edge, n if n <= m else n - PANEL
+    n = (n + n // 20 + PANEL // 2) & -PANEL  # some elements are in contact although their middle is beyond the edge
+    return deepest, edge, min(n, m & -PANEL)
 
 
 @block_kernel
@@ -126,10 +187,26 @@ def bring_in_far(
     tolerance: float,
     in_contact: NDArray[np.bool_],
 ) -> int:
-    """Bring elements from ``first`` on that overlap at a ``local`` approach, m, into contact; returns how many.
+    """Bring elements that overlap into contact, far from the edge; returns how many.
 
-    ``p`` are all pressures, ``w`` = L^T p, ``gap`` of all that can be in contact. Most need no sum: 1/sqrt is convex,
-    so pressures act on a point at least as if all of them stood at their root mean square distance from it.
+    Parameters
+    ----------
+    nested
+        Elements in their order.
+    p
+        Pressures of the candidates, (m,), Pa.
+    w
+        w = L^T p, sqrt(m Pa), as wide as the rows of L in use.
+    gap
+        Separations g, (m,), m.
+    local
+        delta - c0 F, m.
+    first
+        Place from which on elements are looked at.
+    tolerance
+        Overlap that counts as none, m.
+    in_contact
+        By place, (m,); changed in place.
     """
     total, mean_x, mean_y, square = 0.0, 0.0, 0.0, 0.0
     for c in range(len(p)):

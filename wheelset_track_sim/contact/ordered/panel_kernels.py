@@ -1,7 +1,11 @@
 """Lower triangular matrices whose leading blocks are used at any size: rows packed in panels of 16.
 
-Row c holds its columns 0 to c and zeros up to the end of its panel, so that the 16 rows of a panel are equally long:
-row c starts at ``row(c)`` and has ``width(c)`` entries. The leading block of n rows is the beginning of the array.
+Row c holds its columns 0 to c, then zeros up to the end of its panel. So the 16 rows of panel P = c // 16 have the same
+length 16 (P + 1), ``width(c)``. The panels before it hold 16^2 (1 + 2 + ... + P) = 128 P (P + 1) entries, so row c
+starts at ``row(c)`` = 128 P (P + 1) + 16 (P + 1) (c mod 16). The leading block of n rows is the first ``row(n)``
+entries.
+
+Products take four rows at a time: each entry of the vector is then loaded once for four multiply-adds.
 """
 
 from __future__ import annotations
@@ -33,7 +37,7 @@ def width(c: int) -> int:
 
 @summing_kernel
 def dot(a: Vector, b: Vector) -> float:
-    """Sum of products, over the length of ``a``."""
+    """Sum of products over the length of ``a``."""
     total = 0.0
     for t in range(len(a)):
         total += a[t] * b[t]
@@ -42,7 +46,7 @@ def dot(a: Vector, b: Vector) -> float:
 
 @summing_kernel
 def dot_4(u: Vector, a: Vector, b: Vector, c: Vector, d: Vector) -> tuple[float, float, float, float]:
-    """Sums of products of ``u`` with four others."""
+    """Sums of products of ``u`` with four other vectors, over the length of ``u``."""
     total_a, total_b, total_c, total_d = 0.0, 0.0, 0.0, 0.0
     for t in range(len(u)):
         total_a += u[t] * a[t]
@@ -54,17 +58,17 @@ def dot_4(u: Vector, a: Vector, b: Vector, c: Vector, d: Vector) -> tuple[float,
 
 @summing_kernel
 def add_scaled(target: Vector, factor: float, source: Vector) -> None:
-    """Add ``factor`` times ``source`` to ``target``, over the length of ``target``."""
+    """Add ``factor`` times ``source`` to ``target`` over the length of ``target``."""
     for t in range(len(target)):
         target[t] += factor * source[t]
 
 
 @summing_kernel
 def clear(target: Vector) -> None:
-    """Set to zero.
+    """Set all entries to zero.
 
-    Here and elsewhere, part of an array is a slice: a loop that begins within an array runs at a fifth of the pace, for
-    the compiler must expect indices that count from its end.
+    Pass a slice to clear part of an array. A loop that begins within an array runs at a fifth of the pace, because the
+    compiler must allow for negative indices. The other kernels of this folder take slices for the same reason.
     """
     for t in range(len(target)):
         target[t] = 0.0
@@ -72,7 +76,19 @@ def clear(target: Vector) -> None:
 
 @block_kernel
 def multiply(rows: Vector, first: int, end: int, b: Vector, product: Vector) -> None:
-    """Fill ``product[first:end]`` with those rows of the matrix times ``b``; four at a time, ``first`` in fours."""
+    """Multiply rows of a triangular matrix by a vector.
+
+    Parameters
+    ----------
+    rows
+        Matrix in panels.
+    first, end
+        First row, a multiple of 4, and the one after the last. Up to three rows beyond it are multiplied as well.
+    b
+        Vector, as long as the widest of these rows.
+    product
+        ``product[first:end]`` is filled.
+    """
     for c in range(first, end, 4):
         w, at = width(c), row(c)
         product[c], product[c + 1], product[c + 2], product[c + 3] = dot_4(
@@ -82,7 +98,21 @@ def multiply(rows: Vector, first: int, end: int, b: Vector, product: Vector) -> 
 
 @block_kernel
 def multiply_transposed(rows: Vector, end: int, b: Vector, low: int, high: int, product: Vector) -> None:
-    """Fill ``product[low:high]``, in whole panels, with the transposed leading block of ``end`` rows times ``b``."""
+    """Multiply the transpose of the leading block by a vector.
+
+    Parameters
+    ----------
+    rows
+        Matrix in panels.
+    end
+        Rows of the block, a multiple of 4.
+    b
+        Vector, (end,).
+    low, high
+        Part of the product that is wanted, in whole panels.
+    product
+        ``product[low:high]`` is filled.
+    """
     clear(product[low:high])
     for c in range(low, end, 4):
         w, at = width(c), row(c) + low
@@ -95,7 +125,10 @@ def multiply_transposed(rows: Vector, end: int, b: Vector, low: int, high: int, 
 
 @block_kernel
 def factored(K: Real) -> Vector:
-    """Cholesky factor L, K = L L^T, in panels; NaN if K (n, n) is not positive definite. n in whole panels."""
+    """Cholesky factor L of K = L L^T, in panels; K is (n, n), with n in whole panels.
+
+    Row by row, L_ct = (K_ct - sum_i<t L_ti L_ci) / L_tt. Entries are NaN if K is not positive definite.
+    """
     n = len(K)
     L = np.zeros(row(n))
     for c in range(n):
@@ -109,7 +142,10 @@ def factored(K: Real) -> Vector:
 
 @block_kernel
 def inverted(L: Vector, n: int) -> Vector:
-    """Inverse of the leading block of ``n`` rows, in whole panels, of a triangular matrix in panels."""
+    """Inverse X of the leading block of ``n`` rows of L, in whole panels, in panels.
+
+    Row by row, X_c = (e_c - sum_t<c L_ct X_t) / L_cc from L X = 1.
+    """
     X = np.zeros(row(n))
     for c in range(n):
         at = row(c)
