@@ -9,7 +9,7 @@ from wheelset_track_sim.scenario import load_scenario
 
 SAME = 1e-6
 """Share of the static load, and of the largest stress: compilers and processors round differently, and no more."""
-QUICK = {"undamaged", "damage_wheel_1", "hanging_sleeper"}
+SLOW = {"rail_roughness"}
 
 
 def test_all_shipped_scenarios_are_stored() -> None:
@@ -17,7 +17,7 @@ def test_all_shipped_scenarios_are_stored() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in shipped.names("scenarios")]
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in shipped.names("scenarios")]
 )
 def test_forces_and_stresses_are_those_that_are_stored(name: str) -> None:
     found, stored = numbers_of(name), reference()[name]
