@@ -28,9 +28,10 @@ PATIENCE = 240.0
 
 def kill_recorders(folder, count, seed):
     """Bags of recorders that were killed at random moments, each with the simulated time that it had been given."""
-    script = ROOT / "tests" / "support" / "killed_recorder.py"
+    # As a module: as a script its folder, which has a numbers.py, would come before the standard library.
     done = subprocess.run(
-        [sys.executable, str(script), str(folder), str(count), str(seed)],
+        [sys.executable, "-m", "support.killed_recorder", str(folder), str(count), str(seed)],
+        cwd=ROOT / "tests",
         capture_output=True,
         text=True,
         timeout=PATIENCE,

@@ -1,4 +1,4 @@
-"""A real recorder in real processes that are killed: ``python killed_recorder.py FOLDER COUNT SEED``.
+"""A real recorder in real processes that are killed: ``python -m support.killed_recorder FOLDER COUNT SEED``.
 
 One process loads the simulator and all libraries; each child of it streams at real time, records as the node does,
 and is killed. Tells for each bag the simulated time that had been handed over then, s.
