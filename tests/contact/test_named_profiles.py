@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from wheelset_track_sim.contact.named_profiles import plain_profile, read_profile, with_points
+from wheelset_track_sim.contact.named_profiles import load_profile, plain_profile, read_profile, with_points
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.inputs.yaml12 import parse
@@ -19,7 +19,7 @@ def test_files_are_read_in_their_units(tmp_path):
     (tmp_path / "c.yaml").write_text(
         f"y: {[1e-3 * y for y in range(-30, 31)]}\nz: {[-1e-6 * y * y for y in range(-30, 31)]}\n"
     )
-    found = [read_profile("wheel", tmp_path / name, "it") for name in ("a.csv", "b.csv", "c.yaml")]
+    found = [load_profile("wheel", tmp_path / name) for name in ("a.csv", "b.csv", "c.yaml")]
     for points in found:
         np.testing.assert_allclose(points.y, np.arange(-30, 31) * 1e-3, atol=1e-11)
         np.testing.assert_allclose(points.z, -1e-6 * np.arange(-30, 31) ** 2, atol=1e-11)
@@ -47,11 +47,22 @@ def test_unknown_names_and_files_are_refused(tmp_path):
     with pytest.raises(InputError, match="known are head_60e1, head_60e1_points"):
         read_profile("rail", "s1002", "it")
     with pytest.raises(InputError, match=r"none\.csv does not exist: give a file with y and z, or one of head_60e1"):
-        read_profile("rail", tmp_path / "none.csv", "it")
+        load_profile("rail", tmp_path / "none.csv", "it")
     with pytest.raises(InputError, match="is no file"):
-        read_profile("rail", tmp_path, "it")
+        load_profile("rail", tmp_path, "it")
+    with pytest.raises(InputError, match=r"profile: 's1003' is not a known profile of a wheel"):
+        load_profile("wheel", "s1003")
     with pytest.raises(InputError, match=r"points of a wheel\.z is missing"):
         read_profile("wheel", {"y": [0.0]}, "it")
+
+
+def test_plain_data_open_no_file(tmp_path):
+    """Those of a bag, a topic or a service."""
+    (tmp_path / "a.csv").write_text(table())
+    mapping = load_scenario("undamaged").to_mapping()
+    for given in (str(tmp_path / "a.csv"), {"file": str(tmp_path / "a.csv")}):
+        with pytest.raises(InputError, match=r"profiles\.wheel_1: .*(is not a known profile|file is not a known key)"):
+            scenario_from(mapping | {"profiles": {"wheel_1": given}})
 
 
 def test_shipped_points_say_where_they_are_from():

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from support.paths import ROOT
 from support.written import Form, forms
 from wheelset_track_sim.contact.geometry import ProfilePair
-from wheelset_track_sim.contact.named_profiles import read_profile
+from wheelset_track_sim.contact.named_profiles import load_profile
 from wheelset_track_sim.contact.profiles import Points, RailHead, inclined
 from wheelset_track_sim.errors import InputError, InputWarning
 from wheelset_track_sim.inputs.tables import read_table
@@ -48,7 +48,7 @@ def test_every_form_of_table_is_the_same_profile(
     tmp_path_factory: pytest.TempPathFactory, side: str, form: Form
 ) -> None:
     path = form.write(tmp_path_factory.getbasetemp() / "profile.txt", ("y", "z"), ("mm", "mm"), points(side).tolist())
-    same(read_profile(side, path, "it"), side)
+    same(load_profile(side, path, "it"), side)
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -78,13 +78,13 @@ def test_axes_and_datum_of_a_file_do_not_matter(
     # A new rail is symmetric: y does not show, and does not matter.
     turned = (turn_z, turn_y and side == "wheel")
     with pytest.warns(InputWarning) if any(turned) else nullcontext() as warned:
-        found = read_profile(side, path, "it")
+        found = load_profile(side, path, "it")
     if any(turned):
         told = " ".join(str(each.message) for each in warned)
         assert [f"turn: {axis}" in told for axis in "zy"] == [*turned]
     same(found, side, within=2e-5)
     told = {(False, False): "none", (True, False): "y", (False, True): "z", (True, True): "both"}[turn_y, turn_z]
-    given = read_profile(side, {"file": str(path), "turn": told}, "it")  # and no warning
+    given = load_profile(side, {"file": str(path), "turn": told}, "it")  # and no warning
     np.testing.assert_allclose(given.height([-0.01, 0.0, 0.02]), found.height([-0.01, 0.0, 0.02]), atol=2e-5)
 
 
@@ -97,8 +97,8 @@ def test_a_profile_that_counts_from_elsewhere_is_refused_until_its_origin_is_giv
         if abs(origin) > least:
             written(path, points(side) + np.array([origin, 0.0]))
             with pytest.raises(InputError, match=r"give y from there, or origin|does not cover the running surface"):
-                read_profile(side, path, "it")
-            same(read_profile(side, {"file": str(path), "origin": round(origin, 4) / 1e3}, "it"), side, within=1e-6)
+                load_profile(side, path, "it")
+            same(load_profile(side, {"file": str(path), "origin": round(origin, 4) / 1e3}, "it"), side, within=1e-6)
 
 
 @settings(max_examples=15)
@@ -108,7 +108,7 @@ def test_no_constant_in_the_heights_of_a_rail_moves_the_contact(tangent: float, 
     y = np.linspace(-0.035, 0.035, 281)
     heights = RailHead().height(y)
     contacts = [
-        ProfilePair(read_profile("wheel", "cylinder", ""), inclined(Points(y, heights + off), tangent)).touch
+        ProfilePair(load_profile("wheel", "cylinder", ""), inclined(Points(y, heights + off), tangent)).touch
         for off in (0.0, datum)
     ]
     assert contacts[1] == pytest.approx(contacts[0], abs=2e-5)
@@ -132,11 +132,11 @@ def test_a_rail_that_is_worn_at_the_field_side_is_warned_of(
     tmp_path_factory: pytest.TempPathFactory, depth: float
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "worn.csv"
-    right = read_profile("rail", written(path, worn_rail(depth)), "it")
+    right = load_profile("rail", written(path, worn_rail(depth)), "it")
     written(path, worn_rail(depth) * [-1.0, 1.0])
     with pytest.warns(InputWarning, match=r"as if worn more: give turn: y if y counts to the track's side"):
-        read_profile("rail", path, "it")
-    turned = read_profile("rail", {"file": str(path), "turn": "y"}, "it")
+        load_profile("rail", path, "it")
+    turned = load_profile("rail", {"file": str(path), "turn": "y"}, "it")
     np.testing.assert_allclose(turned.height([-0.025, 0.01]), right.height([-0.025, 0.01]), atol=1e-9)
 
 
@@ -173,7 +173,7 @@ def simpack(side: str, of: np.ndarray, **keys: float) -> str:
 def test_files_of_other_programs(tmp_path: Path, side: str, suffix: str, text: Callable[[np.ndarray], str]) -> None:
     path = tmp_path / f"profile{suffix}"
     path.write_text(text(points(side)))
-    same(read_profile(side, path, "it"), side, within=1e-6)
+    same(load_profile(side, path, "it"), side, within=1e-6)
 
 
 def test_sides_that_overhang_are_left_out_of_measured_files(tmp_path: Path) -> None:
@@ -181,7 +181,7 @@ def test_sides_that_overhang_are_left_out_of_measured_files(tmp_path: Path) -> N
     below = [[-34.0 + 0.3 * k, -15.0 - k] for k in range(8, 0, -1)], [[34.0 - 0.3 * k, -15.0 - k] for k in range(1, 9)]
     path = tmp_path / "profile.ban"
     path.write_text(miniprof(np.concatenate([below[0], of, below[1]])))
-    same(read_profile("rail", path, "it"), "rail", within=1e-6)
+    same(load_profile("rail", path, "it"), "rail", within=1e-6)
 
 
 def test_a_file_of_any_suffix_is_read(tmp_path: Path) -> None:
@@ -189,14 +189,14 @@ def test_a_file_of_any_suffix_is_read(tmp_path: Path) -> None:
     for name in ("wheel.txt", "wheel.dat", "wheel", "WHEEL.CSV"):
         path = tmp_path / name
         path.write_bytes(WHEEL.read_bytes())
-        same(read_profile("wheel", path, "it"), "wheel")
+        same(load_profile("wheel", path, "it"), "wheel")
     scenario = tmp_path / "mine.yaml"
     text = load_scenario("undamaged").to_yaml()
     scenario.write_text(text.replace("wheel_1: cylinder", "wheel_1: wheel.txt").replace(
         "wheel_2: cylinder", "wheel_2: {file: WHEEL.CSV}"
     ))  # fmt: skip
     profiles = load_scenario(scenario).profiles  # found beside the scenario
-    assert profiles.wheel_1 == profiles.wheel_2 == read_profile("wheel", WHEEL, "it")
+    assert profiles.wheel_1 == profiles.wheel_2 == load_profile("wheel", WHEEL, "it")
 
 
 def test_several_wheels_of_a_file_are_chosen_by_name(tmp_path: Path) -> None:
@@ -205,14 +205,14 @@ def test_several_wheels_of_a_file_are_chosen_by_name(tmp_path: Path) -> None:
     path = tmp_path / "both.csv"
     path.write_text(f"y [mm];left [mm];right [mm]\n{rows}\n")
     with pytest.raises(InputError, match=r"has no column z: give column: .* of y \[mm\], left \[mm\], right \[mm\]"):
-        read_profile("wheel", path, "it")
-    same(read_profile("wheel", {"file": str(path), "column": "left"}, "it"), "wheel")
-    right = read_profile("wheel", {"file": str(path), "column": "3"}, "it")
+        load_profile("wheel", path, "it")
+    same(load_profile("wheel", {"file": str(path), "column": "left"}, "it"), "wheel")
+    right = load_profile("wheel", {"file": str(path), "column": "3"}, "it")
     assert right.z[0] == pytest.approx(z[0] / 1e3 - 0.4e-3)
     path.write_text(f"y;z;w\n{rows}\n")
     with pytest.raises(InputError, match="'y' has no unit"):
-        read_profile("wheel", path, "it")
-    same(read_profile("wheel", {"file": str(path), "unit": "mm"}, "it"), "wheel")
+        load_profile("wheel", path, "it")
+    same(load_profile("wheel", {"file": str(path), "unit": "mm"}, "it"), "wheel")
 
 
 @pytest.mark.parametrize(
@@ -234,5 +234,5 @@ def test_what_is_no_profile_is_refused(tmp_path: Path, side: str, name: str, tex
     path = tmp_path / name
     path.write_text(text)
     with pytest.raises(InputError, match=words) as refusal:
-        read_profile(side, path, "it")
+        load_profile(side, path, "it")
     assert "\n" not in str(refusal.value)

@@ -241,3 +241,20 @@ def test_overrides_reach_into_each_kind():
     assert polygon.harmonics[1].amplitude == 3e-5
     cluster = load_scenario("rcf_cluster", ["irregularities.0.a.median=0.004"]).irregularities[0]
     assert cluster.a.median == 0.004
+
+
+def test_files_that_a_text_names_are_located_unless_their_content_is_there(tmp_path):
+    (tmp_path / "spectrum.csv").write_text("wavelength [m],level\n0.4,17\n0.005,-10\n")
+    text = "[{type: roughness, on: rail_1, file: spectrum.csv}]"
+    asked = []
+
+    def located(name):
+        asked.append(name)
+        return str(tmp_path / name)
+
+    [rough] = listed(text, located)
+    assert asked == ["spectrum.csv"]
+    assert rough.spectrum == ((0.4, 17.0), (0.005, -10.0))
+    (tmp_path / "spectrum.csv").unlink()
+    assert listed(dump([plain(rough)]), located) == (rough,)
+    assert asked == ["spectrum.csv"]

@@ -23,8 +23,8 @@ COMPUTED: dict[str, dict[str, LateralProfile]] = {
 """Profiles of each side that need no points."""
 
 
-def read_profile(side: str, source: str | Path | Mapping[str, Any] | LateralProfile, where: str) -> LateralProfile:
-    """Profile of a ``wheel`` or a ``rail``.
+def load_profile(side: str, source: str | Path | Mapping[str, Any], where: str = "profile") -> LateralProfile:
+    """Load the lateral profile of a ``wheel`` or a ``rail``.
 
     Parameters
     ----------
@@ -39,21 +39,24 @@ def read_profile(side: str, source: str | Path | Mapping[str, Any] | LateralProf
     Raises
     ------
     InputError
-        If there is no such profile, or its points cannot be used.
+        If there is no such profile or file, or its points cannot be used.
     """
-    if isinstance(source, (str, Path)) and str(source) in known_names(side):
-        return _named(side, str(source))
-    if isinstance(source, (str, Path, Mapping)):
+    return read_profile(side, with_points(side, source, where), where)
+
+
+def read_profile(side: str, data: Any, where: str) -> LateralProfile:
+    """Profile from a name or a mapping of points; opens no file. Raises InputError, which begins with ``where``."""
+    if isinstance(data, str) and data in known_names(side):
+        return _named(side, data)
+    if isinstance(data, Mapping):
         try:
-            columns = _columns(side, source)
-            return Points(np.array(columns.y), np.array(columns.z))
+            columns = read(ProfileColumns, data, f"points of a {side}")
+            return Points(*shaped(side, np.array(columns.y), np.array(columns.z), f"points of a {side}"))
         except InputError as refusal:
             raise InputError(f"{where}: {refusal}") from None
-    if not hasattr(source, "span"):
-        raise InputError(
-            f"{where}: {unknown(f'profile of a {side}', repr(str(source)), str(source), known_names(side))}"
-        )
-    return source
+    if not hasattr(data, "span"):
+        raise InputError(f"{where}: {unknown(f'profile of a {side}', repr(str(data)), str(data), known_names(side))}")
+    return data  # type: ignore[no-any-return]
 
 
 def plain_profile(side: str, profile: LateralProfile) -> Any:
@@ -73,15 +76,28 @@ def known_names(side: str) -> list[str]:
 
 def with_points(side: str, source: Any, where: str) -> Any:
     """``source`` with the points of the file that it names in place of the file; raises InputError."""
-    if isinstance(source, str) and source in known_names(side):
+    if isinstance(source, Mapping) and "file" in source:
+        given = read(ProfileFile, source, where)
+    elif isinstance(source, (str, Path)) and str(source) not in known_names(side):
+        given = ProfileFile(str(source))
+    else:
         return source
-    if isinstance(source, str) or (isinstance(source, Mapping) and "file" in source):
-        try:
-            columns = _columns(side, source)
-        except InputError as refusal:
-            raise InputError(f"{where}: {refusal}") from None
-        return {"y": list(columns.y), "z": list(columns.z)}
-    return source
+    path = Path(given.file)
+    if not path.is_file():
+        raise InputError(f"{where}: {_missing(side, path)}")
+    try:
+        columns = read_points(side, given)
+    except InputError as refusal:
+        raise InputError(f"{where}: {refusal}") from None
+    return {"y": list(columns.y), "z": list(columns.z)}
+
+
+def _missing(side: str, path: Path) -> str:
+    """Line that refuses a path where no file is; it may be a name that was misspelled."""
+    if not (path.suffix or path.exists()):
+        return unknown(f"profile of a {side}", repr(str(path)), str(path), known_names(side))
+    found = "is no file" if path.exists() else "does not exist"
+    return f"{path} {found}: give a file with y and z, or one of {', '.join(known_names(side))}"
 
 
 @cache
@@ -90,19 +106,3 @@ def _named(side: str, name: str) -> LateralProfile:
         return COMPUTED[side][name]
     y, z = columns_of(read_table(shipped.file(f"{side}_profiles", f"{name}.csv")))
     return Points(*shaped(side, y, z, name))
-
-
-def _columns(side: str, source: Any) -> ProfileColumns:
-    """Points that a user gives, in a file or not."""
-    if isinstance(source, Mapping) and "file" not in source:
-        columns = read(ProfileColumns, source, f"points of a {side}")
-        y, z = shaped(side, np.array(columns.y), np.array(columns.z), f"points of a {side}")
-        return ProfileColumns(tuple(y.tolist()), tuple(z.tolist()))
-    given = read(ProfileFile, source, f"file of a {side}") if isinstance(source, Mapping) else ProfileFile(str(source))
-    path = Path(given.file)
-    if not path.is_file():
-        if path.suffix or path.exists():
-            found = "is no file" if path.exists() else "does not exist"
-            raise InputError(f"{path} {found}: give a file with y and z, or one of {', '.join(known_names(side))}")
-        raise InputError(unknown(f"profile of a {side}", repr(given.file), given.file, known_names(side)))
-    return read_points(side, given)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity, read
-from ..inputs.tables import Column, Table, read_table
+from ..inputs.tables import Column, ColumnTable, read_table
 from ..inputs.text_files import read_text
 from ..inputs.yaml12 import parse
 from ..runtime.arrays import Real
@@ -98,7 +98,7 @@ def shaped(side: str, y: Real, z: Real, name: str, turn: Turn = "auto") -> tuple
     return y, (z - datum if side == "wheel" and abs(datum) > DATUM else z)
 
 
-def columns_of(table: Table, column: str = "", unit: str = "") -> tuple[Real, Real]:
+def columns_of(table: ColumnTable, column: str = "", unit: str = "") -> tuple[Real, Real]:
     """Return y and z of a table, m; ``column`` and ``unit`` as in ``ProfileFile``."""
     named = any(each.name for each in table.columns)
     if column:
@@ -115,7 +115,7 @@ def columns_of(table: Table, column: str = "", unit: str = "") -> tuple[Real, Re
     return _metres(table, across, unit), _metres(table, high, unit)
 
 
-def _metres(table: Table, column: Column, unit: str) -> Real:
+def _metres(table: ColumnTable, column: Column, unit: str) -> Real:
     size = table.size(column, "length", unit or None)
     missing = np.flatnonzero(np.isnan(column.values))
     if len(missing):

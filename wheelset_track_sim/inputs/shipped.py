@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .schema import unknown
+from .text_files import read_text
 from .yaml12 import parse
 
 if TYPE_CHECKING:
@@ -48,10 +49,9 @@ def load_yaml(kind: str, name_or_path: str | Path) -> Any:
     else:
         raise InputError(unknown(singular(kind), repr(str(name_or_path)), str(name_or_path), names(kind)))
     try:
-        text = source.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as reason:
-        known = ", ".join(names(kind))
-        raise InputError(f"{source} cannot be read ({reason}): give a YAML file or one of {known}") from None
+        text = read_text(source)
+    except InputError as refusal:
+        raise InputError(f"{refusal}, or one of {', '.join(names(kind))}") from None
     return parse(text, str(source))
 
 

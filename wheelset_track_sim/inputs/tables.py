@@ -46,7 +46,7 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class ColumnTable:
     """Columns of numbers of equal length, two at least."""
 
     source: str
@@ -114,7 +114,7 @@ def key(name: str) -> str:
     return re.sub(r"[\s.\-_()\[\]/]+", "_", name.lower()).strip("_")
 
 
-def read_table(source: Traversable | Path, largest: int = LARGEST) -> Table:
+def read_table(source: Traversable | Path, largest: int = LARGEST) -> ColumnTable:
     """Read the table of a text file (``table_rows`` says what it may look like), or of a NumPy file (``.npy``).
 
     Parameters
@@ -149,11 +149,11 @@ def _lines(file: IO[str], name: str) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _checked(name: str, rows: Rows) -> Table:
+def _checked(name: str, rows: Rows) -> ColumnTable:
     values = np.array(rows.numbers).reshape(len(rows.lines), -1)
     lines = np.array(rows.lines, np.int32)
     columns = [Column(*heading, column) for heading, column in zip(rows.headings, values.T, strict=True)]
-    table = Table(name, (replace(columns[0], origin=rows.origin), *columns[1:]), lines)
+    table = ColumnTable(name, (replace(columns[0], origin=rows.origin), *columns[1:]), lines)
     endless = np.argwhere(np.isinf(values))
     if len(endless):
         row, column = endless[0]
@@ -163,7 +163,7 @@ def _checked(name: str, rows: Rows) -> Table:
     return table
 
 
-def _from_numpy(file: IO[bytes], name: str) -> Table:
+def _from_numpy(file: IO[bytes], name: str) -> ColumnTable:
     try:
         array = np.load(file, allow_pickle=False)
     except (ValueError, OSError, EOFError) as reason:
@@ -174,4 +174,4 @@ def _from_numpy(file: IO[bytes], name: str) -> Table:
     if np.isinf(array).any():
         raise InputError(f"{name} holds numbers that are not finite: give numbers, and NaN where there is none")
     columns = tuple(Column("", "", column) for column in array.astype(np.float64).T)
-    return Table(name, columns, np.arange(1, len(array) + 1, dtype=np.int32))
+    return ColumnTable(name, columns, np.arange(1, len(array) + 1, dtype=np.int32))

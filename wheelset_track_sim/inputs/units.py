@@ -11,32 +11,32 @@ from ..errors import InputError
 Dimension = Literal["length", "angle", "time", "force", "stress", "level"]
 
 
-class Unit(NamedTuple):
+class UnitSize(NamedTuple):
     """A unit: what it measures, and its size in SI."""
 
     dimension: Dimension
     size: float
 
 
-UNITS: dict[str, Unit] = {
-    "m": Unit("length", 1.0),
-    "mm": Unit("length", 1e-3),
-    "um": Unit("length", 1e-6),
-    "cm": Unit("length", 1e-2),
-    "km": Unit("length", 1e3),
-    "rad": Unit("angle", 1.0),
-    "deg": Unit("angle", math.pi / 180),
-    "s": Unit("time", 1.0),
-    "ms": Unit("time", 1e-3),
-    "us": Unit("time", 1e-6),
-    "ns": Unit("time", 1e-9),
-    "N": Unit("force", 1.0),
-    "kN": Unit("force", 1e3),
-    "Pa": Unit("stress", 1.0),
-    "kPa": Unit("stress", 1e3),
-    "MPa": Unit("stress", 1e6),
-    "GPa": Unit("stress", 1e9),
-    "dB": Unit("level", 1.0),
+UNITS: dict[str, UnitSize] = {
+    "m": UnitSize("length", 1.0),
+    "mm": UnitSize("length", 1e-3),
+    "um": UnitSize("length", 1e-6),
+    "cm": UnitSize("length", 1e-2),
+    "km": UnitSize("length", 1e3),
+    "rad": UnitSize("angle", 1.0),
+    "deg": UnitSize("angle", math.pi / 180),
+    "s": UnitSize("time", 1.0),
+    "ms": UnitSize("time", 1e-3),
+    "us": UnitSize("time", 1e-6),
+    "ns": UnitSize("time", 1e-9),
+    "N": UnitSize("force", 1.0),
+    "kN": UnitSize("force", 1e3),
+    "Pa": UnitSize("stress", 1.0),
+    "kPa": UnitSize("stress", 1e3),
+    "MPa": UnitSize("stress", 1e6),
+    "GPa": UnitSize("stress", 1e9),
+    "dB": UnitSize("level", 1.0),
 }
 ALIASES = {
     "°": "deg",

@@ -26,6 +26,7 @@ def listed(text: str, located: Callable[[str], str]) -> tuple[Irregularity, ...]
         raise InputError(f"irregularities are a {type(data).__name__}: give a list, as in a scenario file")
     check_number(len(data))
     for item in data:
-        if isinstance(item, dict) and isinstance(item.get("file"), str) and not item.get("table"):
+        held = isinstance(item, dict) and (item.get("table") or item.get("spectrum"))  # what was in the file
+        if isinstance(item, dict) and isinstance(item.get("file"), str) and item["file"] and not held:
             item["file"] = located(item["file"])
     return read_irregularities(data, "irregularities")

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..inputs.shipped import table_text
-from ..inputs.tables import Column, Table, read_table
+from ..inputs.tables import Column, ColumnTable, read_table
 from ..inputs.units import UNITS
 from ..runtime.arrays import Real
 
@@ -118,7 +118,7 @@ def samples_of(text: str, name: str) -> Samples:
     return Samples(along, values, across)
 
 
-def _heights(table: Table, others: Sequence[Column], on: str, column: str) -> Column:
+def _heights(table: ColumnTable, others: Sequence[Column], on: str, column: str) -> Column:
     """Column of heights among those that are not along."""
     if column:
         found = table.chosen(column, "the heights")
@@ -146,7 +146,7 @@ def _positions(columns: Sequence[Column], place: Column) -> Real | None:
         return None
 
 
-def _unit(table: Table, column: Column, given: str | None, key: str, known: Sequence[str]) -> tuple[str, float]:
+def _unit(table: ColumnTable, column: Column, given: str | None, key: str, known: Sequence[str]) -> tuple[str, float]:
     """Unit of a column that scenarios hold, and the factor that brings its numbers there."""
     if not (column.unit or given):
         what = column.name or f"column {table.columns.index(column) + 1}"

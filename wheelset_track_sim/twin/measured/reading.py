@@ -13,7 +13,7 @@ import numpy as np
 
 from ...bags import Bag
 from ...errors import InputError, warn
-from ...inputs.tables import Column, Table, key, read_table
+from ...inputs.tables import Column, ColumnTable, key, read_table
 from ...inputs.units import UNITS, Dimension, names_of, unit_named
 from ...runtime.arrays import Real
 from ...wheelset.reduced import COMPONENTS
@@ -77,7 +77,7 @@ def read_measurement(path: str | Path, reading: Reading | None = None) -> Measur
     return _of_table(read_table(path), path, reading or Reading())
 
 
-def _of_table(table: Table, path: Path, reading: Reading) -> Measurement:
+def _of_table(table: ColumnTable, path: Path, reading: Reading) -> Measurement:
     axis, scale = _axis(table, reading)
     first = table.columns[0]
     _check_rising(table, first)
@@ -112,7 +112,7 @@ def _of_table(table: Table, path: Path, reading: Reading) -> Measurement:
     return measurement
 
 
-def _axis(table: Table, reading: Reading) -> tuple[Axis, float]:
+def _axis(table: ColumnTable, reading: Reading) -> tuple[Axis, float]:
     """Axis of the first column, and the size of its unit, s or m."""
     first = table.columns[0]
     for dimension, axis in AXES.items():
@@ -126,7 +126,7 @@ def _axis(table: Table, reading: Reading) -> tuple[Axis, float]:
     )
 
 
-def _check_rising(table: Table, first: Column) -> None:
+def _check_rising(table: ColumnTable, first: Column) -> None:
     rising = np.diff(first.values) > 0.0  # false for what is missing, too
     if not rising.all():
         row = int(np.argmin(rising)) + 1
@@ -140,7 +140,7 @@ def _signal(column: Column) -> str:
     return name.lower() if name.lower() in WHEELS else name
 
 
-def _size(table: Table, column: Column, name: str, reading: Reading) -> float | None:
+def _size(table: ColumnTable, column: Column, name: str, reading: Reading) -> float | None:
     """Size of the unit of a signal, N or Pa; None if it is neither a force of a wheel nor a stress."""
     if name in WHEELS:
         given = reading.unit("force")
