@@ -12,7 +12,7 @@ from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.scenario.scenario import BAND, LINE
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 FOLDERS = {path.parent.name for path in (ROOT / "wheelset_track_sim").glob("*/__init__.py")}
 
 

@@ -201,6 +201,18 @@ def test_files_are_found_beside_the_scenario_that_names_them(tmp_path: Path, mon
     assert scenario_from(parse(wide.to_yaml(), "")) == wide
 
 
+@pytest.mark.parametrize("suffix", [".txt", ".YAML", "", ".conf"])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_files_of_models_may_have_any_suffix_and_encoding(tmp_path: Path, suffix: str, encoding: str) -> None:
+    """F12: a file that exists was called an unknown name."""
+    for kind, name in (("wheelsets", "trailer"), ("tracks", "slab_60e1"), ("scenarios", "trailer")):
+        (tmp_path / f"{kind}{suffix}").write_text(dump(shipped.load_yaml(kind, name)), encoding=encoding)
+    changes = [f"wheelset={tmp_path}/wheelsets{suffix}", f"track={tmp_path}/tracks{suffix}"]
+    case = load_scenario(tmp_path / f"scenarios{suffix}", changes)
+    assert case.wheelset == load_wheelset("trailer")
+    assert case.track == load_track("slab_60e1")
+
+
 def test_files_that_are_based_on_themselves_come_to_an_end(tmp_path: Path) -> None:
     own = tmp_path / "own.yaml"
     own.write_text(f"base: {own}\n")

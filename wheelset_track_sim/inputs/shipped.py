@@ -42,9 +42,9 @@ def load_yaml(kind: str, name_or_path: str | Path) -> Any:
     source: Traversable | Path
     if str(name_or_path) in names(kind):
         source = shipped
-    elif path.suffix == ".npz":
+    elif path.suffix.lower() == ".npz":
         return _arrays(path)
-    elif path.suffix in {".yaml", ".yml"} or path.exists():
+    elif path.suffix.lower() in {".yaml", ".yml"} or path.exists():
         source = path
     else:
         raise InputError(unknown(singular(kind), repr(str(name_or_path)), str(name_or_path), names(kind)))

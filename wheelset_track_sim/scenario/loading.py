@@ -8,6 +8,7 @@ from typing import Any
 
 from ..contact.named_profiles import with_points
 from ..errors import InputError
+from ..inputs import shipped
 from ..inputs.schema import read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
 from ..inputs.yaml12 import parse
@@ -116,10 +117,15 @@ def _find_beside(data: dict[str, Any], folder: Path) -> None:
 def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
     """Put the content of a model's file in the place of its name, and that of the files that it is based on."""
     name = place.get(key) if isinstance(place, dict) else None
-    if isinstance(name, str) and Path(name).suffix in (".yaml", ".yml", ".npz"):
+    if isinstance(name, str) and name not in shipped.names(kind) and _names_file(Path(name)):
         place[key] = load_yaml(kind, name)
     if isinstance(place, dict) and depth < MAX_DEPTH:
         _take_in_model(place.get(key), "base", kind, depth + 1)
+
+
+def _names_file(path: Path) -> bool:
+    """Whether a name means a file: one that exists, or that would be one by its suffix."""
+    return path.suffix.lower() in (".yaml", ".yml", ".npz") or path.is_file()
 
 
 def _entry(place: Any, part: str, where: str) -> Any:
