@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 
-from support.shipped_runs import numbers_of, reference
+from support.shipped_runs import ROWS, numbers_of, reference
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario
 
-SAME = 1e-6
-"""Share of the static load, and of the largest stress: compilers and processors round differently, and no more."""
+TOLERANCES = np.array([5e-4, 5e-4, 1e-6, *[5e-4] * len(ROWS)])
+"""Of maximum, minimum, RMS and samples: shares of the static load, or of the largest stress.
+
+Another library of linear algebra reduces the track to other modes: OpenBLAS for another processor shifts samples at an
+impact by up to 2.3e-4, and RMS by 1.1e-7. Kernels compiled for another processor shift nothing by more than 2e-10.
+"""
 SLOW = {"rail_roughness"}
 
 
@@ -24,4 +28,5 @@ def test_forces_and_stresses_are_those_that_are_stored(name: str) -> None:
     assert list(found) == list(stored)
     for signal, values in stored.items():
         scale = load_scenario(name).wheel_load if signal.startswith("wheel") else values[0]
-        np.testing.assert_allclose(found[signal], values, rtol=0, atol=SAME * scale, err_msg=f"{name}: {signal}")
+        apart = np.abs(np.subtract(found[signal], values)) / scale
+        assert (apart <= TOLERANCES).all(), f"{signal}: {apart.max():.1e} of {scale:g}"
