@@ -8,7 +8,7 @@ import numba
 import numpy as np
 
 from wheelset_track_sim.contact.law_kernels import contact_force, tabulated_force
-from wheelset_track_sim.dynamics import interface_kernels as dynamics_kernels
+from wheelset_track_sim.dynamics import interface_kernels
 
 kernel = numba.njit(nogil=True, error_model="numpy")
 summing = numba.njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
@@ -25,21 +25,21 @@ def forces(law: Any, approach: np.ndarray, found: np.ndarray) -> None:
 def displacements(dynamics: Any, forces: np.ndarray, xi: np.ndarray) -> None:
     """What modes displace, step by step."""
     for i in range(len(forces)):
-        dynamics_kernels.displacements(dynamics, i, xi[i])
+        interface_kernels.displacements(dynamics, i, xi[i])
 
 
 @kernel
 def advance(dynamics: Any, forces: np.ndarray) -> None:
     """Modes of wheelset and track moved on, step by step."""
     for i in range(len(forces)):
-        dynamics_kernels.advance(dynamics, i, forces[i])
+        interface_kernels.advance(dynamics, i, forces[i])
 
 
 @kernel
 def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
     """Stress sums, step by step."""
     for i in range(len(forces)):
-        dynamics_kernels.stresses(dynamics, forces[i], stress[i])
+        interface_kernels.stresses(dynamics, forces[i], stress[i])
 
 
 @kernel

@@ -11,7 +11,7 @@ from ..runtime.arrays import Real
 
 
 class DynamicsModel(Protocol):
-    """Wheelset and track that can be started at a speed; what it starts is stepped by ``dynamics_kernels``."""
+    """Wheelset and track that can be started at a speed; what it starts is stepped by ``interface_kernels``."""
 
     @property
     def stress_rows(self) -> NDArray[np.intp]:

@@ -2,7 +2,7 @@
 
 A load that hits the rail at ``x0`` is followed along the rail: sample ``n`` is the response at ``x0 + n dx`` a time
 ``n dt`` later. The receptance between ``x0`` and a point in bay ``b`` is a sum over the unknowns at both ends of that
-bay, ``R = sum_k S_k(x, f) N_k(b, f)`` (``structures.bloch``), and the inverse Fourier transform of Eq. (2) is wanted at
+bay, ``R = sum_k S_k(x, f) N_k(b, f)`` (``track.bloch``), and the inverse Fourier transform of Eq. (2) is wanted at
 one instant only, so it is written out as the sum over frequencies that it is::
 
     G(n dt) = 2 df Re sum_f w_f R(f) exp(i omega n dt),     w = 1/2 at f = 0, else 1.

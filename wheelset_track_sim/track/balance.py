@@ -35,7 +35,7 @@ same for all v, so a state z keeps its meaning when the speed changes.
 
 Accuracy. Moore's and Glover's theorems hold for one system with its own Gramians, not for their sum over speeds: there
 is no bound, and no proof that z decays. With the shipped ``ballasted_60e1`` and n = 200 of 2 P = 1024, impulse
-responses from 5 to 120 m/s err by 3e-4 of their largest value, statics by 2e-4 (``tests/track/test_track_balance.py``).
+responses from 5 to 120 m/s err by 3e-4 of their largest value, statics by 2e-4 (``tests/track/test_balance.py``).
 All poles of the shipped tracks decay from 1 to 120 m/s. Tracks with pads that are much stiffer or less damped can get a
 slowly growing pole at high speed.
 

@@ -11,7 +11,7 @@ A ring of N bays has modes ``u(x) = p(x) exp(i kappa x)`` with ``p`` periodic ov
     r' = (lambda + i kappa v) r + s(X) F,     xi(X) = Re sum_P p(X) r + residual(X) F.
 
 So the tables ``input = s`` and ``output = p`` are indexed by the position in the bay alone (step mod ``nb``), the poles
-in the moving frame are ``lambda + i kappa v``, and the step of ``simulation.hold`` is exact but for ``s(X) F`` taken
+in the moving frame are ``lambda + i kappa v``, and the step of ``dynamics.hold`` is exact but for ``s(X) F`` taken
 linear over one step. Nothing grows with the distance run, and a change of speed changes the poles, not the state.
 
 The halves are driven by ``F_s = (F_1 + F_2) / 2`` and ``F_a = (F_1 - F_2) / 2``; ``xi_1 = xi_s + xi_a`` and
