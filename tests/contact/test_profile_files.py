@@ -16,7 +16,7 @@ from wheelset_track_sim.contact.named_profiles import load_profile
 from wheelset_track_sim.contact.profiles import Points, RailHead, inclined
 from wheelset_track_sim.errors import InputError, InputWarning
 from wheelset_track_sim.inputs.tables import read_table
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 
 WHEEL = ROOT / "tests" / "data" / "wheel_profile.csv"
 RAIL = ROOT / "tests" / "data" / "rail_profile.csv"
@@ -119,6 +119,17 @@ def test_the_wheel_of_the_issue_touches_where_it_does() -> None:
     """F1: with z downwards its flange was read as a groove, and the wheel ran beside its tread."""
     changes = ["profiles.inclination=0.05", f"profiles.wheel_1={WHEEL}"]
     assert load_scenario("undamaged", changes).geometry.touch(0) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_points_in_a_scenario_are_turned_and_those_of_a_bag_stay() -> None:
+    """A bag repeats what ran, whichever way its points went."""
+    y, z = (points("wheel") / 1e3).T
+    plain = {"y": y.tolist(), "z": (-z).tolist()}
+    with pytest.warns(InputWarning, match=r"profiles\.wheel_1: the flange has z = -28.5 mm"):
+        scenario = load_scenario("undamaged", [f"profiles.wheel_1={plain}"])
+    np.testing.assert_allclose(scenario.profiles.wheel_1.z, z, atol=1e-12)
+    again = scenario_from(scenario.to_mapping() | {"profiles": {"wheel_1": plain}})
+    np.testing.assert_array_equal(again.profiles.wheel_1.z, -z)
 
 
 def worn_rail(depth: float) -> np.ndarray:

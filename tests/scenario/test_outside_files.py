@@ -33,22 +33,22 @@ SPECTRUM = "wavelength [{unit}];level [dB]\n10;14,0\n3,15;5,0\n0,315;-1,0\n"
 @pytest.mark.parametrize(
     ("text", "changes", "peaks", "warned"),
     [
-        (WHEEL, ["profiles.wheel_1={file}", *LEANING], (148.3, 54.8), ""),
-        (DOWNWARDS, ["profiles.wheel_1={file}", *LEANING], (148.3, 54.8), "give turn: z to confirm"),
-        (MIRRORED, ["profiles.wheel_1={file}", *LEANING], (148.3, 54.8), "give turn: y to confirm"),
-        (MIRRORED, ["profiles.wheel_1={{file: {file}, turn: y}}", *LEANING], (148.3, 54.8), ""),
-        (TAPE, ["profiles.wheel_1={{file: {file}, origin: 0.07}}", *LEANING], (148.3, 54.8), ""),
-        (tread("angle_deg,dev_um", [ANGLE, WAVES]), [TREAD], (106.8, 89.7), ""),
-        (tread("angle_deg,dev_um", [CLOSED, WAVES_CLOSED]), [TREAD], (106.8, 89.7), ""),
-        (tread("angle_deg,wheel_1_um,wheel_2_um", [ANGLE, WAVES, 0 * WAVES]), [TREAD], (106.8, 89.7), ""),
+        (WHEEL, ["profiles.wheel_1={file}", *LEANING], (148.3, 55.0), ""),
+        (DOWNWARDS, ["profiles.wheel_1={file}", *LEANING], (148.3, 55.0), "give turn: z to confirm"),
+        (MIRRORED, ["profiles.wheel_1={file}", *LEANING], (148.3, 55.0), "give turn: y to confirm"),
+        (MIRRORED, ["profiles.wheel_1={{file: {file}, turn: y}}", *LEANING], (148.3, 55.0), ""),
+        (TAPE, ["profiles.wheel_1={{file: {file}, origin: 0.07}}", *LEANING], (148.3, 55.0), ""),
+        (tread("angle_deg,dev_um", [ANGLE, WAVES]), [TREAD], (106.8, 89.5), ""),
+        (tread("angle_deg,dev_um", [CLOSED, WAVES_CLOSED]), [TREAD], (106.8, 89.5), ""),
+        (tread("angle_deg,wheel_1_um,wheel_2_um", [ANGLE, WAVES, 0 * WAVES]), [TREAD], (106.8, 89.5), ""),
         (tread("angle_deg,dev_um", [ANGLE, WAVES + ANGLE / 3.6]), [TREAD], (None, None), "give drift: remove"),
         (
             tread("angle_deg,dev_um", [ANGLE, WAVES + ANGLE / 3.6]),
             [TREAD.replace("{options}", ", drift: remove")],
-            (106.8, 89.7),
+            (106.8, 89.5),
             "",
         ),
-        (SPECTRUM.format(unit="cm"), [ROUGH, "line_length=10.0"], (110.2, 83.4), "from 0.1 to 0.5 m"),
+        (SPECTRUM.format(unit="cm"), [ROUGH, "line_length=10.0"], (110.2, 83.5), "from 0.1 to 0.5 m"),
     ],
 )
 def test_the_peak_force_is_the_right_one(

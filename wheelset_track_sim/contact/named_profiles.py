@@ -45,13 +45,16 @@ def load_profile(side: str, source: str | Path | Mapping[str, Any], where: str =
 
 
 def read_profile(side: str, data: Any, where: str) -> LateralProfile:
-    """Profile from a name or a mapping of points; opens no file. Raises InputError, which begins with ``where``."""
+    """Profile from a name or a mapping of points, which are used as they are; opens no file.
+
+    Raises InputError, which begins with ``where``.
+    """
     if isinstance(data, str) and data in known_names(side):
         return _named(side, data)
     if isinstance(data, Mapping):
         try:
             columns = read(ProfileColumns, data, f"points of a {side}")
-            return Points(*shaped(side, np.array(columns.y), np.array(columns.z), f"points of a {side}"))
+            return Points(np.array(columns.y), np.array(columns.z))
         except InputError as refusal:
             raise InputError(f"{where}: {refusal}") from None
     if not hasattr(data, "span"):
@@ -75,29 +78,36 @@ def known_names(side: str) -> list[str]:
 
 
 def with_points(side: str, source: Any, where: str) -> Any:
-    """``source`` with the points of the file that it names in place of the file; raises InputError."""
-    if isinstance(source, Mapping) and "file" in source:
-        given = read(ProfileFile, source, where)
-    elif isinstance(source, (str, Path)) and str(source) not in known_names(side):
-        given = ProfileFile(str(source))
-    else:
-        return source
-    path = Path(given.file)
-    if not path.is_file():
-        raise InputError(f"{where}: {_missing(side, path)}")
+    """What a user gives for a profile, as ``read_profile`` takes it: points of files, with their axes turned if needed.
+
+    Raises InputError, which begins with ``where``, and warns of axes that it turns.
+    """
     try:
-        columns = read_points(side, given)
+        if isinstance(source, Mapping) and "file" not in source:
+            given = read(ProfileColumns, source, f"points of a {side}")
+            y, z = shaped(side, np.array(given.y), np.array(given.z), where)
+            return {"y": y.tolist(), "z": z.tolist()}
+        if isinstance(source, Mapping):
+            file = read(ProfileFile, source, f"file of a {side}")
+        elif isinstance(source, (str, Path)) and str(source) not in known_names(side):
+            file = ProfileFile(str(source))
+        else:
+            return source
+        _check_exists(side, Path(file.file))
+        columns = read_points(side, file)
     except InputError as refusal:
         raise InputError(f"{where}: {refusal}") from None
     return {"y": list(columns.y), "z": list(columns.z)}
 
 
-def _missing(side: str, path: Path) -> str:
-    """Line that refuses a path where no file is; it may be a name that was misspelled."""
+def _check_exists(side: str, path: Path) -> None:
+    """Raise InputError for a path where no file is; it may be a name that was misspelled."""
+    if path.is_file():
+        return
     if not (path.suffix or path.exists()):
-        return unknown(f"profile of a {side}", repr(str(path)), str(path), known_names(side))
+        raise InputError(unknown(f"profile of a {side}", repr(str(path)), str(path), known_names(side)))
     found = "is no file" if path.exists() else "does not exist"
-    return f"{path} {found}: give a file with y and z, or one of {', '.join(known_names(side))}"
+    raise InputError(f"{path} {found}: give a file with y and z, or one of {', '.join(known_names(side))}")
 
 
 @cache

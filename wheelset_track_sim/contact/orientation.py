@@ -66,7 +66,10 @@ def oriented(side: str, y: Real, z: Real, name: str, turn: Turn = "auto") -> tup
     y, z = (0.0 - y if "y" in turned else y), (0.0 - z if "z" in turned else z)
     if y[0] > y[-1]:
         y, z = y[::-1], z[::-1]
-    (_check_wheel if side == "wheel" else _check_rail)(y, z)
+    if side == "rail":
+        _check_rail(y, z)
+    else:
+        _check_wheel(y, z, sure=turn != "auto")
     return y, z
 
 
@@ -98,7 +101,7 @@ def _of_wheel(y: Real, z: Real) -> dict[str, str]:
     return found
 
 
-def _check_wheel(y: Real, z: Real) -> None:
+def _check_wheel(y: Real, z: Real, *, sure: bool) -> None:
     y, z = _even(y, z)
     away = z - np.median(z)
     if away.max() > HIGHEST or 0.0 < np.ptp(z) < FLATTEST:
@@ -113,10 +116,10 @@ def _check_wheel(y: Real, z: Real) -> None:
             "back of the flange: give y from there, or origin: the y of the rolling circle in the file"
         )
     outside = float(z[-1] - np.interp(0.0, y, z))
-    if outside > FIELD_RISE:
+    if outside > FIELD_RISE and not sure:
         raise InputError(
             f"z at the field side is {1e3 * outside:.3g} mm above that at y = 0, where a tread falls by some mm: give "
-            "turn: y, z or both"
+            "turn: y, z or both, or turn: none to use it as it is"
         )
 
 

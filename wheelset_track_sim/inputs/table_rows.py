@@ -94,7 +94,7 @@ def _headings(name: str, before: Sequence[tuple[int, str]], row: list[str], sepa
     number, line = before[-1]
     cells = _cells(line, separator)
     if len(cells) == len(row) and cells[0] and _value(cells[0]) is not None:
-        raise _no_number(f"{name}, line {number}", next(cell for cell in cells if _value(cell) is None))
+        raise _no_number(f"{name}, line {number}", next((cell for cell in cells if _value(cell) is None), line))
     close = re.sub(r"\s+(?=[\[(])", "", line)
     for found in (cells, _without_end(cells), re.findall(r"\[[^\[\]]*\]", line), close.split(), line.split()):
         if len(found) in (len(row), len(fewer)):
