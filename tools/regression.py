@@ -61,13 +61,16 @@ def arrays_of(root: Path, name: str, folder: Path) -> tuple[np.ndarray, np.ndarr
     """Forces and stresses of a run by the command line of a checkout, with its models in ``folder``."""
     bag = folder / f"{name}.mcap"
     duration = (STEPS - 0.5) * load_scenario(name).step_period
-    subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-m", "wheelset_track_sim", "run", name, "--duration", str(duration), "--out", bag, "--json"],
         env={**os.environ, "WHEELSET_TRACK_SIM_CACHE": str(folder), "PYTHONPATH": str(root)},
         cwd=root,
-        check=True,
-        stdout=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
     )
+    if done.returncode != 0:
+        sys.exit(f"{name} does not run in {root}: {done.stderr}")
     recording = read_bag(bag)
     return recording.forces, recording.stresses
 

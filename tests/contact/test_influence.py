@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from scipy.integrate import dblquad
+import scipy
 
 from wheelset_track_sim.contact.influence import contact_modulus, influence, influence_table
 
@@ -10,7 +10,7 @@ DX, DY, E, NU = 1e-3, 0.7e-3, 210e9, 0.3
 def test_is_the_integral_of_the_point_load():
     unit = 1 / (np.pi * contact_modulus(E, NU))
     for x, y in ((2e-3, 0.0), (1e-3, -1.4e-3), (0.0, 3.5e-3)):
-        integral = dblquad(
+        integral = scipy.integrate.dblquad(
             lambda v, u, x=x, y=y: 1 / np.hypot(x - u, y - v), -DX / 2, DX / 2, -DY / 2, DY / 2, epsrel=1e-10
         )[0]
         assert influence(x, y, DX, DY, E, NU) == pytest.approx(unit * integral, rel=1e-9)

@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+import scipy
 
 from wheelset_track_sim.dynamics.hold import ALIASED, RESOLVED, hold, hold_coefficients
 
@@ -13,7 +13,10 @@ def by_quadrature(pole: complex, weight) -> complex:
     def integrand(tau: float) -> complex:
         return np.exp(pole * (DT - tau)) * weight(tau / DT)
 
-    parts = [quad(lambda tau, f=f: f(integrand(tau)), 0.0, DT, epsabs=0.0, epsrel=1e-12)[0] for f in (np.real, np.imag)]
+    parts = [
+        scipy.integrate.quad(lambda tau, f=f: f(integrand(tau)), 0.0, DT, epsabs=0.0, epsrel=1e-12)[0]
+        for f in (np.real, np.imag)
+    ]
     return complex(*parts)
 
 

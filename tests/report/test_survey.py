@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import welch
+import scipy
 
 from wheelset_track_sim.report.envelope import Bins, Envelope, drawn
 from wheelset_track_sim.report.samples import Closeups, SampleSeries
@@ -101,7 +101,7 @@ def test_the_spectrum_is_that_of_welch(largest):
     for part in cut(whole, of_lengths(largest)):
         collected.push(10.0, 1e-4, part.values)
     found = collected.spectrum()
-    frequency, density = welch(whole.values, 1e4, nperseg=512, axis=0)
+    frequency, density = scipy.signal.welch(whole.values, 1e4, nperseg=512, axis=0)
     np.testing.assert_allclose(found.frequency, frequency, rtol=1e-12)
     np.testing.assert_allclose(found.density, density, rtol=1e-10)
     assert (found.segments, found.speed) == (14, 10.0)
@@ -126,7 +126,7 @@ def test_spectra_at_other_speeds_stay_apart():
     collected.push(10.0, 1e-4, again)
     found = collected.spectrum()
     assert found.speed == 20.0
-    np.testing.assert_allclose(found.density, welch(fast, 2e4, nperseg=512, axis=0)[1], rtol=1e-10)
+    np.testing.assert_allclose(found.density, scipy.signal.welch(fast, 2e4, nperseg=512, axis=0)[1], rtol=1e-10)
 
 
 def test_a_short_run_is_one_segment_and_a_shorter_one_has_no_spectrum():
@@ -134,7 +134,7 @@ def test_a_short_run_is_one_segment_and_a_shorter_one_has_no_spectrum():
     collected = Welch(segment=512)
     collected.push(10.0, 1e-4, part.values)
     np.testing.assert_allclose(
-        collected.spectrum().density, welch(part.values, 1e4, nperseg=300, axis=0)[1], rtol=1e-10
+        collected.spectrum().density, scipy.signal.welch(part.values, 1e4, nperseg=300, axis=0)[1], rtol=1e-10
     )
     collected = Welch(segment=512)
     collected.push(10.0, 1e-4, part.values[:200])

@@ -8,6 +8,18 @@ from support.paths import ROOT
 from wheelset_track_sim.runtime import sources
 
 PACKAGE = "wheelset_track_sim"
+BUILDERS = [
+    f"{PACKAGE}.{name}"
+    for name in (
+        "contact.tables",
+        "dynamics.moving_green_functions",
+        "studies.evaluate",
+        "track.balance",
+        "track.ring",
+        "wheelset.reduction",
+    )
+]
+"""Modules that keep models with ``cached``, and the one that runs a study."""
 
 
 def modules(folder: Path) -> dict[str, Path]:
@@ -19,15 +31,14 @@ def modules(folder: Path) -> dict[str, Path]:
     return found
 
 
-def builders() -> list[str]:
-    """Modules that keep models with ``cached``, and the one that runs a study."""
+def test_all_builders_are_listed() -> None:
     calls = {
         name
         for name, path in modules(ROOT).items()
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "cached"
     }
-    return sorted(calls | {f"{PACKAGE}.studies.evaluate"})
+    assert calls | {f"{PACKAGE}.studies.evaluate"} == set(BUILDERS)
 
 
 @pytest.fixture(scope="module")
@@ -37,19 +48,8 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_all_builders_are_found() -> None:
-    assert [name.removeprefix(f"{PACKAGE}.") for name in builders()] == [
-        "contact.tables",
-        "dynamics.moving_green_functions",
-        "studies.evaluate",
-        "track.balance",
-        "track.ring",
-        "wheelset.reduction",
-    ]
-
-
 @pytest.mark.parametrize(
-    "builder", [pytest.param(name, marks=pytest.mark.slow if "studies" in name else ()) for name in builders()]
+    "builder", [pytest.param(name, marks=pytest.mark.slow if "studies" in name else ()) for name in BUILDERS]
 )
 def test_an_edit_changes_the_digest_where_it_can_change_the_model(builder: str, copied: Path) -> None:
     folders, files = {PACKAGE: copied}, modules(copied)
@@ -90,7 +90,7 @@ def test_models_depend_on_what_makes_them(builder: str, needed: str) -> None:
 
 def test_models_do_not_depend_on_the_shell() -> None:
     shell = ("bags", "live", "monitoring", "twin", "report", "ros", "cli")
-    for builder in builders():
+    for builder in BUILDERS:
         assert not [
             name for name in sources.closure(builder, {PACKAGE: ROOT}) if name.split(".")[1:2] in map(list, shell)
         ]

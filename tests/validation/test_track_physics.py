@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import argrelmax, argrelmin
+import scipy
 
 from wheelset_track_sim.track import bloch
 from wheelset_track_sim.track import finite_elements as track_fe
@@ -34,10 +34,10 @@ def test_statics_of_both_methods_are_the_same_and_as_known() -> None:
 def test_resonances_are_where_they_are_known_to_be() -> None:
     frequencies = np.arange(20.0, 1200.0, 0.5)
     above, between = (np.abs(bloch.receptance(TRACK, frequencies, x, x)[0][0]) for x in (0.0, 0.3))
-    assert frequencies[argrelmax(above)][:2] == pytest.approx([75, 292], abs=1.5)
-    assert frequencies[argrelmin(above)][0] == pytest.approx(173, abs=1)
-    assert frequencies[argrelmax(between)][[0, 2]] == pytest.approx([75, 1073], abs=1)
-    assert frequencies[argrelmin(between)][0] == pytest.approx(163, abs=1)
+    assert frequencies[scipy.signal.argrelmax(above)][:2] == pytest.approx([75, 292], abs=1.5)
+    assert frequencies[scipy.signal.argrelmin(above)][0] == pytest.approx(173, abs=1)
+    assert frequencies[scipy.signal.argrelmax(between)][[0, 2]] == pytest.approx([75, 1073], abs=1)
+    assert frequencies[scipy.signal.argrelmin(between)][0] == pytest.approx(163, abs=1)
 
 
 # Away from the lightly damped pinned-pinned resonance, to which the ends of a finite track matter.

@@ -6,9 +6,9 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+import scipy
 import scipy.sparse as sp
 from scipy.linalg import eigh
-from scipy.optimize import brentq
 from scipy.sparse.linalg import spsolve
 
 from wheelset_track_sim.errors import InputError
@@ -54,7 +54,7 @@ def frequency_of(p: float) -> float:
 def test_mass_in_the_middle_of_a_beam(share: float) -> None:
     """Symmetric modes: tan p - tanh p = 2 (m L / M) / p with p = k L / 2; the antisymmetric one stays, p = pi."""
     mass = share * LINE * LENGTH
-    p = brentq(lambda p: np.tan(p) - np.tanh(p) - 2 / (share * p), 0.1, np.pi / 2 - 1e-9)
+    p = scipy.optimize.brentq(lambda p: np.tan(p) - np.tanh(p) - 2 / (share * p), 0.1, np.pi / 2 - 1e-9)
     first, second = natural_frequencies(mass, 0.0)
     assert first == pytest.approx(frequency_of(p), rel=0.005)
     assert second == pytest.approx(frequency_of(np.pi), rel=0.01)
@@ -63,7 +63,7 @@ def test_mass_in_the_middle_of_a_beam(share: float) -> None:
 def test_inertia_in_the_middle_of_a_beam() -> None:
     """Antisymmetric modes: J k^3 / (4 m) (coth p - cot p) = 1; the symmetric one stays, p = pi / 2."""
     inertia = 0.2 * LINE * LENGTH**3 / 12
-    p = brentq(
+    p = scipy.optimize.brentq(
         lambda p: inertia * (2 * p / LENGTH) ** 3 / (4 * LINE) * (1 / np.tanh(p) - 1 / np.tan(p)) - 1, 0.5, np.pi - 1e-9
     )
     first, second = natural_frequencies(0.0, inertia)

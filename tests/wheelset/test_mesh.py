@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+import scipy
 
 from wheelset_track_sim.wheelset.harmonic_elements import solid_mass
 from wheelset_track_sim.wheelset.mesh import stress_fillet, surface_radius, wheelset_mesh
@@ -47,20 +47,22 @@ def test_mass_is_that_of_the_drawing(x40: Wheelset) -> None:
     marks = sorted({place for step in x40.axle.steps() for place in (step.edge, step.tangent)})
     ends = [x40.axle.start, *marks, x40.axle.sections[-1].end]
     axle = sum(
-        quad(lambda y: np.pi * surface_radius(x40, np.array([y]))[0] ** 2, low, high, epsabs=1e-14)[0]
+        scipy.integrate.quad(lambda y: np.pi * surface_radius(x40, np.array([y]))[0] ** 2, low, high, epsabs=1e-14)[0]
         for low, high in pairwise(ends)
     )
-    web = quad(lambda r: 4 * np.pi * r * wheel.web_half_thickness(r), wheel.hub_radius, wheel.rim_radius)[0]
+    web = scipy.integrate.quad(
+        lambda r: 4 * np.pi * r * wheel.web_half_thickness(r), wheel.hub_radius, wheel.rim_radius
+    )[0]
     face = (
         wheel.web_half_thickness((discs.spacer_inner_radius + discs.spacer_outer_radius) / 2) + discs.spacer_thickness
     )
-    spacer = quad(
+    spacer = scipy.integrate.quad(
         lambda r: 2 * np.pi * r * (face - wheel.web_half_thickness(r)),
         discs.spacer_inner_radius,
         discs.spacer_outer_radius,
     )[0]
     slope = (wheel.flange_top_width - wheel.flange_width) / wheel.flange_height
-    flange = quad(
+    flange = scipy.integrate.quad(
         lambda h: 2 * np.pi * (wheel.rolling_radius + h) * (wheel.flange_width + slope * h), 0, wheel.flange_height
     )[0]
     one_wheel = (
