@@ -6,7 +6,8 @@ A mode obeys ``q' = lambda q + g(t)`` with the modal load ``g`` taken linear bet
 
 The part that is known before the force of the step is ``r[n+1] = a q[n] + b0 g[n]``, so that ``q = r + b1 g`` and
 ``r[n+1] = a r[n] + (a b1 + b0) g[n]``; what ``b1 g`` displaces at once is a compliance at lag zero. The compliance at
-lag zero from one wheel to the other is left out: it is 0.7 % of the direct one of the rails and 3e-5 of that of the wheels.
+lag zero from one wheel to the other is left out: it is 0.7 % of the direct one of the rails and 3e-5 of that of the
+wheels.
 """
 
 from __future__ import annotations

@@ -5,10 +5,10 @@ Here the bays stand side by side as ``track.line`` reduces them, 47 around the w
 to the next sleeper all of them move on by one column, so a line may have any length at the same cost. Towards both
 ends dampers on the rails take up what runs away. Only the rail joins bays, so a step solves one chain of nodes.
 
-A step of ``M u'' + C u' + K u = f`` is that of N. M. Newmark with ``gamma = 1/2`` and ``beta = 1/12`` (L. Fox
-and E. T. Goodwin): the period of a mode errs by ``(omega dt)^4 / 480``, which is 2e-4 at 2.5 kHz and 100 km/h. It is stable up
-to ``omega dt = 2.45``; where bays have higher frequencies, at low speeds, they get as much inertia ``alpha dt^2 K``
-as they need, and the rail's modes beyond ``omega dt = 2`` the inertia that holds them there. Statics do not know of it,
+A step of ``M u'' + C u' + K u = f`` is that of N. M. Newmark with ``gamma = 1/2`` and ``beta = 1/12`` (L. Fox and E. T.
+Goodwin): the period of a mode errs by ``(omega dt)^4 / 480``, which is 2e-4 at 2.5 kHz and 100 km/h. It is stable up to
+``omega dt = 2.45``; where bays have higher frequencies, at low speeds, they get as much inertia ``alpha dt^2 K`` as
+they need, and the rail's modes beyond ``omega dt = 2`` the inertia that holds them there. Statics do not know of it,
 and what is high in frequency follows more slowly than it should; passive it stays.
 
 The force of a step moves bays and wheels at that step itself by a compliance, to which modes left out add their static
