@@ -28,7 +28,7 @@ test:
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 check: lint
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow and not ros" --hypothesis-profile quick
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow" --hypothesis-profile quick
 
 search:
 	@$(PYTHON) tools/setup_env.py test

@@ -51,6 +51,7 @@ def test_every_form_of_table_is_the_same_profile(
     same(load_profile(side, path, "it"), side)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", SIDES)
 @settings(max_examples=20)
 @given(
@@ -101,6 +102,7 @@ def test_a_profile_that_counts_from_elsewhere_is_refused_until_its_origin_is_giv
             same(load_profile(side, {"file": str(path), "origin": round(origin, 4) / 1e3}, "it"), side, within=1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(tangent=st.floats(0.005, 0.1), datum=st.floats(-1.0, 1.0))
 def test_no_constant_in_the_heights_of_a_rail_moves_the_contact(tangent: float, datum: float) -> None:

@@ -31,6 +31,7 @@ def test_each_sample_is_eq_2_where_the_load_has_got_to(track, start: int) -> Non
             assert table[start, n] == pytest.approx(expected, abs=5e-3 * scale)
 
 
+@pytest.mark.slow
 def test_a_constant_load_that_runs_displaces_as_one_that_stands(track) -> None:
     # 100 km/h is slow for this track: over a bay the mean deflection is the static one within 1 %
     band = SHORT | {"max_frequency": 2500.0}

@@ -3,12 +3,12 @@
 import math
 import os
 import signal
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from support.paths import ROOT
+from support.service_calls import assert_gap_free
 from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.scenario import load_scenario
 
@@ -16,11 +16,6 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 PERIOD = load_scenario("undamaged").step_period
 RUNNING, PAUSED = 0, 1
-
-
-def assert_gap_free(chunks):
-    for before, after in pairwise(chunks):
-        assert after.first_step == before.first_step + len(before.wheel_1)
 
 
 def span(chunks):

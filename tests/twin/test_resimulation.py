@@ -111,7 +111,7 @@ def test_bits_are_the_same_after_a_hundred_random_revisions(tmp_path: Path) -> N
     assert found.after.wheels[0].max_force > 1.1 * found.after.wheels[0].mean_force, f"seed {seed}"
 
 
-@pytest.mark.parametrize("scenario", ["rough_wheel", "line_speeds", "slab_track"])
+@pytest.mark.parametrize("scenario", [pytest.param("rough_wheel", marks=pytest.mark.slow), "line_speeds", "slab_track"])
 def test_other_scenarios_give_the_same_bits_too(tmp_path: Path, scenario: str) -> None:
     simulator = Simulator(load_scenario(scenario))
     assert resimulate(recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 3000)).identical
@@ -182,6 +182,7 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
     assert found.samples > 15 * TURN
 
 
+@pytest.mark.slow
 def test_what_would_have_been(bag: Path) -> None:
     damage = ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"]
     deeper = resimulate(bag, [*damage, "settle_on=smooth"])
@@ -196,6 +197,7 @@ def test_what_would_have_been(bag: Path) -> None:
     assert resimulate(bag, ["axle_load=210e3"]).after.wheels[0].mean_force == pytest.approx(105e3, rel=0.01)
 
 
+@pytest.mark.slow
 def test_another_speed_is_compared_at_the_same_places(bag: Path) -> None:
     slower = resimulate(bag, ["speed=20"])
     assert slower.samples == 3 * TURN
