@@ -69,6 +69,7 @@ def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_clie
     listener = Subscriber(make_client("listener"), tmp_path / "live")
     replay = play(tmp_path / "live", "--start-paused")
     listener.connect()
+    client.meet()  # the replay has discovered the subscription of the forces, too
     assert listener.play_to_the_end(stored) == stored
     assert replay.wait() == 0, replay.errors
     client.until(lambda: len(forces) > len(live) and forces[-1].first_step >= live[-1].first_step)
