@@ -192,16 +192,6 @@ def test_lifecycle(start, client):
     assert node.signal(signal.SIGINT) == 0, node.errors
 
 
-def test_failed_configure_leaves_the_node_unconfigured_with_the_reason_in_the_log(start, client, tmp_path):
-    scenario = tmp_path / "odd.yaml"
-    scenario.write_text("name: odd\nspeed: 30\naxle_load: 2e5\nwheelset: no_such_wheelset\n")
-    node = start(scenario=scenario, autostart="false")
-    assert not client.transition("configure")
-    assert client.state() == "unconfigured"
-    assert node.signal(signal.SIGINT) == 0
-    assert "no_such_wheelset" in node.errors + node.output
-
-
 BAD = {
     "unknown scenario": ({"scenario": "damage_wheel_3"}, "damage_wheel_3"),
     "not finite": ({"speed": ".nan"}, "speed"),
