@@ -6,7 +6,7 @@ from importlib.util import find_spec
 import pytest
 from hypothesis import settings
 
-from support.numbers import RUN_INFO, block_of_numbers, small_run, state_of_numbers
+from support.blocks import RUN_INFO, block_of_numbers, small_run, state_of_numbers
 from support.toy import toy_simulator
 from wheelset_track_sim.bags import RunInfo, State
 from wheelset_track_sim.samples.block import SampleBlock
