@@ -5,7 +5,7 @@ from wheelset_track_sim.dynamics.line import LineModel
 from wheelset_track_sim.dynamics.line_bay_kernels import COLUMNS, MIDDLE, NODES, RAIL_MODES, ROWS, correct, predict
 from wheelset_track_sim.dynamics.line_kernels import move
 from wheelset_track_sim.dynamics.line_steps import RESOLVED, SHORT
-from wheelset_track_sim.scenario.scenario import load_scenario, scenario_from
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.simulation.models import load_models
 
 DX, STATIC = 1e-3, 98.1e3

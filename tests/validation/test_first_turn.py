@@ -19,7 +19,7 @@ KINDS = {
     "flat": "{type: flat, on: wheel_1, length: 0.05}",
     "polygon": "{type: polygon, on: wheel_1, harmonics: [{order: 24, amplitude: 1.0e-4}]}",
     "roughness": "{type: roughness, on: wheel_1, seed: 1, level: 6.0}",
-    "profile": "{type: profile, on: wheel_1, file: synthetic_tread.csv, along: deg, height: um, gaps: fill}",
+    "profile": "{type: profile, on: wheel_1, file: synthetic_tread.csv, gaps: fill}",
     "roughness of a rail": "{type: roughness, on: rail_1, seed: 2}",
     "corrugation": "{type: corrugation, on: rail_1, wavelength: 0.06, amplitude: 2.0e-5}",
     "squat": "{type: squat, on: rail_1, position: 42.3, a: 0.02, b: 0.015, h: 0.0005}",
