@@ -216,7 +216,6 @@ def test_a_bag_that_is_removed_ends_the_recording(begin, chunk, told, tmp_path, 
 def test_what_nobody_wants_leaves_nothing(begin, tmp_path):
     _, buffered = begin()
     buffered.discard().result(PATIENCE)
-    buffered._thread.shutdown()
     assert list(tmp_path.iterdir()) == []
 
 

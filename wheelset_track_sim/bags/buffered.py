@@ -81,17 +81,18 @@ class BufferedWriter:
 
     def close(self) -> Future[str]:
         """Take no more messages, and close the bag after those that wait; the result is its path."""
-        with self._room:
-            if self._gap is not None:
-                self._report(RecordingError(self._missing(self._gap)), False)
-            closing = self._submit(self._close)
-            self._shut()
-        return closing
+        return self._close_by(self._close)
 
     def discard(self) -> Future[str]:
         """Close a bag that is not needed, and remove it if it is empty."""
-        closing = self.close()
-        closing.add_done_callback(lambda _: self._writer.remove_if_empty())
+        return self._close_by(self._close_and_remove)
+
+    def _close_by(self, close: Callable[[], str]) -> Future[str]:
+        with self._room:
+            if self._gap is not None:
+                self._report(RecordingError(self._missing(self._gap)), False)
+            closing = self._submit(close)
+            self._shut()
         return closing
 
     def _fits(self, size: int) -> bool:
@@ -127,6 +128,12 @@ class BufferedWriter:
     def _close(self) -> str:
         self._writer.close()
         return str(self.path)
+
+    def _close_and_remove(self) -> str:
+        try:
+            return self._close()
+        finally:
+            self._writer.remove_if_empty()
 
     def _write(self, together: list[Message], sync: bool) -> None:
         self._writer.write_messages(together)

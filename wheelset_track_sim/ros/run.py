@@ -105,14 +105,18 @@ class NodeRun:
 
     def start_recording(self, path: Path) -> int:
         """Open a bag; returns the first step that it will hold. Raises InputError."""
-        bag = self._recorder.open(path, self.simulator, self.start_ns)  # the stream waits for no disk
-        with self._lock:
-            if self._over:  # meanwhile: nobody would close the bag
-                bag.discard()
-                raise InputError("the run is over: start the recording in the next one")
-            self._recorder.take(bag)
-            self._repeat_state()
-            return self._next_step
+        while True:
+            described = self.messages.told.revision
+            bag = self._recorder.open(path, self.simulator, self.start_ns)  # the stream waits for no disk
+            with self._lock:
+                if self._over:  # meanwhile: nobody would close the bag
+                    bag.discard()
+                    raise InputError("the run is over: start the recording in the next one")
+                if self.messages.told.revision == described:
+                    self._recorder.take(bag)
+                    self._repeat_state()
+                    return self._next_step
+            bag.discard().result()  # a change came into force meanwhile, and the bag does not hold its step
 
     def split_recording(self) -> Path:
         """Continue in the next file of the bag, which begins with the state; raises InputError or RecordingError."""
