@@ -12,6 +12,7 @@ from wheelset_track_sim.cli import main
 PAGE = (ROOT / "docs" / "bags.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_examples_run(tmp_path, monkeypatch, capsys):
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")

@@ -31,6 +31,7 @@ class Memory:
             self.largest = max(self.largest, resident() - self.first)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs what Linux tells of memory")
 def test_memory_does_not_grow_with_a_bag(tmp_path, run_info, make_block):
     some = [make_block(SAMPLES * number, SAMPLES) for number in range(20)]

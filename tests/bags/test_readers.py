@@ -157,7 +157,7 @@ SETTINGS = {
 }
 
 
-@pytest.fixture(params=SETTINGS)
+@pytest.fixture(params=["split", *(pytest.param(name, marks=pytest.mark.slow) for name in ("bounded", "snapshot"))])
 def long_bag(request, tmp_path, run_info, make_block, make_state):
     """A bag folder of a run of 4 s, or a snapshot of its end, and the blocks of the run by their first step."""
     blocks = {first: make_block(first, 1389, time=first * 3.6e-5) for first in range(0, 80 * 1389, 1389)}

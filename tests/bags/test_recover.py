@@ -81,6 +81,7 @@ def recovered(path, original, seen):
     return found.steps // LENGTH, found.losses
 
 
+@pytest.mark.slow
 def test_truncated_at_any_byte(tmp_path, whole):
     content, original = whole
     path = tmp_path / "run.mcap"
@@ -94,6 +95,7 @@ def test_truncated_at_any_byte(tmp_path, whole):
     assert set(kept) >= set(range(1, CHUNKS))
 
 
+@pytest.mark.slow
 def test_any_bit_flipped(tmp_path, whole):
     content, original = whole
     path = tmp_path / "run.mcap"

@@ -139,6 +139,7 @@ def worn_rail(depth: float) -> np.ndarray:
     return np.column_stack([of[:, 0], of[:, 1] - depth * np.clip((-of[:, 0] - 15.0) / 10.0, 0.0, 1.0)])
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(depth=st.floats(2.5, 8.0))
 def test_a_rail_that_is_worn_at_the_field_side_is_warned_of(

@@ -123,6 +123,7 @@ def test_a_line_repeats() -> None:
     assert np.ptp(first) > 8e3
 
 
+@pytest.mark.slow
 def test_a_hanging_sleeper_is_felt_and_holds_nothing_up() -> None:
     gaps = [None, 1e-4, 5e-3]
     dips = []

@@ -27,6 +27,7 @@ def test_a_wheelset_is_reciprocal_and_above_its_first_resonance_a_mass():
     assert rigid.real == pytest.approx(-4 / (1942.4 * (2 * np.pi * 25.0) ** 2), rel=0.12)
 
 
+@pytest.mark.slow
 def test_the_green_function_of_a_wheelset_is_the_sum_of_its_modes():
     """In the middle of the band the transform meets the closed form, Re(c b exp(lambda t)) of each pole."""
     model = reduce_wheelset(load_wheelset("x40"))
@@ -38,6 +39,7 @@ def test_the_green_function_of_a_wheelset_is_the_sum_of_its_modes():
     assert np.abs(G - exact)[..., late].max() < 2e-3 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [load_track("ballasted_60e1"), load_wheelset("trailer_calculix")])
 def test_the_green_function_adds_up_to_the_static_receptance(model):
     times, G = green_function(model, duration=4.0, dt=2e-4)

@@ -26,7 +26,14 @@ def test_constant_forces_give_the_static_stress(wheelset: ReducedWheelset, one: 
     np.testing.assert_allclose(found, np.tile(wheelset.static_stress() @ [one, two], (20, 1, 1)), atol=1e-3)
 
 
-@pytest.mark.parametrize(("frequency", "dt"), [(50.0, 1e-3), (900.0, 1e-4), (1919.0, 4e-5)])
+@pytest.mark.parametrize(
+    ("frequency", "dt"),
+    [
+        (50.0, 1e-3),
+        pytest.param(900.0, 1e-4, marks=pytest.mark.slow),
+        pytest.param(1919.0, 4e-5, marks=pytest.mark.slow),
+    ],
+)
 def test_a_steady_wave_gives_the_stress_receptance(wheelset: ReducedWheelset, frequency: float, dt: float) -> None:
     """Independent of any step: the frequency response of the same poles."""
     time = np.arange(round(4.0 / dt)) * dt

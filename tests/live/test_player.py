@@ -293,6 +293,7 @@ def test_what_fails_ends_the_replay_with_the_reason():
     assert [type(end) for end in session.ends] == [ZeroDivisionError]
 
 
+@pytest.mark.slow
 def test_commands_from_other_threads_are_done_in_their_order():
     """The real clock, a real thread: a player that never waits is told hundreds of things by two others."""
     tape = Tape(range(0, 1000 * MS, MS))

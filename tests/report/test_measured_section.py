@@ -11,6 +11,7 @@ from wheelset_track_sim.cli import main
 EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 
 
+@pytest.mark.slow
 def test_the_page_shows_both_curves_and_how_well_they_agree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag, page = tmp_path / "run.mcap", tmp_path / "run.html"
     assert main(["run", "damage_wheel_1", "--duration", "0.15", "--out", str(bag), "--json"]) == 0

@@ -26,7 +26,9 @@ def test_the_papers_studies_are_shipped() -> None:
 
 
 @pytest.mark.parametrize("dynamics", ["causal", "paper"])
-@pytest.mark.parametrize("name", shipped.names("studies"))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "depth" else ()) for name in shipped.names("studies")]
+)
 def test_shipped_studies_load_and_all_their_scenarios_check(name: str, dynamics: str) -> None:
     study = load_study(name)
     assert study.title

@@ -40,6 +40,7 @@ def test_a_job_whose_process_dies_is_found_and_the_others_are_done() -> None:
     assert found == {10 * number: number for number in (4, 5, 6, 8, 9, 10)}
 
 
+@pytest.mark.slow
 def test_processes_have_one_thread_each_and_the_environment_stays(monkeypatch) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", "3")
     found = dict(on_this_machine(environment, dict(enumerate(THREADS)), 1))

@@ -61,6 +61,7 @@ def test_the_first_turn_is_that_of_a_run_that_began_earlier(models, kind, speed)
     np.testing.assert_allclose(stress.max(axis=0), settled_stress.max(axis=0), rtol=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("speed", "most", "least"), [(27.7777778, 164.8e3, 51.3e3), pytest.param(55.0, 208.7e3, 20.3e3)]
 )

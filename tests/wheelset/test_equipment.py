@@ -80,6 +80,7 @@ def test_sag_under_a_weight() -> None:
     assert sag == pytest.approx(LENGTH**3 / (48 * EI) + LENGTH / (4 * shear), rel=0.003)
 
 
+@pytest.mark.slow
 def test_a_mass_slows_the_bounce(x40: Wheelset) -> None:
     coarse = replace(x40, mesh=x40.mesh.divided(0.5), stress_nodes=())
     motor = PointMass("motor", y=0.0, length=0.1, mass=400.0, inertia=30.0)

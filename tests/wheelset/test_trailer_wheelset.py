@@ -101,6 +101,7 @@ def _disc(density: float, inner: float, outer: float, length: float) -> tuple[fl
     return mass, mass * (outer**2 + inner**2) / 4 + mass * length**2 / 12
 
 
+@pytest.mark.slow
 def test_mirrored_scenario_gives_mirrored_results() -> None:
     scenario = load_scenario("trailer", ["output.stress_nodes=[A1, A2, B1, B2]"])
     (breakout,) = scenario.irregularities
