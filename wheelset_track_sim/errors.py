@@ -24,9 +24,17 @@ class InputError(WheelsetTrackError, ValueError):
 
 
 class InputWarning(UserWarning):
-    """Input that is used although it looks wrong: a line like that of InputError, with the remedy.
+    """Input that is used although it looks wrong: one line like that of InputError, with the remedy.
 
-    The command line prints it on standard error and goes on; ``--json`` lists it in ``"warnings"``.
+    The command line prints the line on standard error and continues; ``--json`` lists it in ``"warnings"``. In Python,
+    filter it like every warning.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", InputWarning)  # stop at what looks wrong
+    ...     scenario = load_scenario("undamaged")
     """
 
 
