@@ -7,13 +7,11 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from ..irregularities.kinds import kind_named, known_kinds
-from .scenario import BAND, Scenario
+from .scenario import Scenario
 
 
 def meaning_of(key: str) -> tuple[str, str]:
     """What a dotted scenario key means, and its SI unit; the key itself and no unit if it is not a quantity."""
-    if key == "max_frequency":  # it may be None, so that its declaration stands apart
-        return BAND.meaning.removeprefix("the "), BAND.unit
     owners: set[type] = {Scenario}
     found = (key, "")
     for part in key.split("."):
