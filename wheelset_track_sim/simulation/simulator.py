@@ -303,6 +303,14 @@ class Simulator:
             nodes=scenario.output.stress_nodes,
         )
 
+    @property
+    def constant_stress(self) -> Real:
+        """What press fits and given stresses add at each node at all times, (nodes, 6), Pa."""
+        nodes = len(self.scenario.output.stress_nodes)
+        if self._superposition is None:
+            return np.zeros((nodes, len(COMPONENTS)))
+        return self._superposition.constant.reshape(nodes, len(COMPONENTS))
+
     def _preload_for(self, scenario: Scenario) -> Real:
         smooth = self._models.contact_law(())
         load = scenario.wheel_load
