@@ -11,6 +11,7 @@ from rich.table import Table
 
 from ..bags.losses import Gap
 from ..bags.overview import Overview, overview
+from ..errors import printable
 from ..scenario import WHEELS
 from .console import print_object, terminal
 
@@ -84,7 +85,7 @@ def as_mapping(found: Overview) -> dict[str, Any]:
 
 def tables(found: Overview) -> list[Table]:
     """The same for people: the run, its revisions, its topics."""
-    run = Table("", "", title=f"{found.path.absolute().name}: {found.info.scenario_name}", show_header=False)
+    run = Table("", "", title=printable(f"{found.path.absolute().name}: {found.info.scenario_name}"), show_header=False)
     last = found.first_step + found.steps + sum(gap.steps for gap in found.gaps) - 1
     run.add_row("simulated time", f"{found.duration:.6g} s from {found.start:.6g} s on")
     run.add_row("steps", f"{found.steps}, from {found.first_step} to {last}" if found.steps else "none")

@@ -46,9 +46,9 @@ def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
     """Figure in the style of the reports, with its title and, in grey, the model and dynamics that made it."""
     with rc_context({**STYLE, "svg.hashsalt": title, "mathtext.default": "regular"}):
         figure = Figure(figsize=(WIDTH, height), dpi=DOTS, layout="constrained")
-        figure.suptitle(title, fontsize=12, x=0.01, ha="left")
+        figure.suptitle(title, fontsize=12, x=0.01, ha="left", parse_math=False)
         lines = "\n".join(textwrap.wrap(made_by, NOTE))
-        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET)
+        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET, parse_math=False)
         yield figure
 
 

@@ -55,7 +55,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 </body>
 </html>
 """
-    return write_whole(out, page.encode())
+    return write_whole(out, page.encode(errors="backslashreplace"))
 
 
 def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:

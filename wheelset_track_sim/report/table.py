@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from rich.table import Table
 
+from ..errors import printable
 from ..samples.summary import Summary
 from .published import LoadCasePassage
 from .survey import Survey
@@ -69,7 +70,7 @@ def title(run: Survey) -> str:
     """Bag, scenario at the start, and how often that was changed during the run."""
     changes = len(run.in_force) - 1
     changed = f", {changes} change{'s' if changes > 1 else ''} during the run" if changes > 0 else ""
-    return f"{run.path.absolute().name}: {run.info.scenario_name}{changed}"
+    return printable(f"{run.path.absolute().name}: {run.info.scenario_name}{changed}")
 
 
 def description(run: Survey) -> str:

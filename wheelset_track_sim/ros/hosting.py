@@ -18,7 +18,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.logging import get_logger
 from rclpy.signals import SignalHandlerOptions
 
-from ..errors import InputError
+from ..errors import InputError, WheelsetTrackError
 
 
 class Ending(NamedTuple):
@@ -105,3 +105,10 @@ def _refusing() -> Iterator[None]:
         yield
     except (_rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError) as refusal:
         raise InputError(f"arguments of ROS: {' '.join(str(refusal).split())}") from None
+    except _rclpy.RCLError as failure:
+        told = " ".join(str(failure).partition(", at ")[0].split())
+        if "logging" not in told:
+            raise WheelsetTrackError(f"ROS cannot start: {told}") from None
+        raise InputError(
+            f"ROS cannot write its log ({told}): set ROS_LOG_DIR, or HOME, to a folder that can be written"
+        ) from None

@@ -1,0 +1,34 @@
+"""Where outputs go: file names by one rule, in folders that exist, over no file that is there already."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..errors import InputError
+
+LONGEST = 100
+"""Bytes of a name: beginnings and suffixes are added to it."""
+
+
+def file_name(name: str) -> str:
+    """Name of a file for what has a ``name``: letters, digits, ``_``, ``-``, ``+`` and ``.``, none of these first.
+
+    Anything else, such as a slash, becomes an underscore: a name leads to no other folder. Never empty.
+    """
+    plain = re.sub(r"[^\w.+-]+", "_", name).strip("._-+")
+    return plain.encode()[:LONGEST].decode(errors="ignore") or "unnamed"
+
+
+def require_folder(path: Path) -> None:
+    """Raise InputError if the folder in which ``path`` is to be written does not exist."""
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"{path} cannot be written: its folder does not exist, make {path.absolute().parent} first")
+
+
+def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:
+    """Raise InputError for the first path that is a file already, unless it may be overwritten."""
+    for path in paths:
+        if path.is_file() and not overwrite:
+            raise InputError(f"{path} exists already: give another path with --out, or --overwrite to replace it")
