@@ -22,6 +22,8 @@ import numba
 import numba.experimental.function_type  # numba itself imports it too late for ``Address``
 import platformdirs
 
+from .cores import cores
+
 config: Any = numba.config
 typeof: Any = numba.typeof
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -63,8 +65,7 @@ def compiled_meanwhile(module: str) -> Iterator[None]:
     ``module`` compiles them when it is executed, and calls ``mark_compiled``. A thread would not do, for compiler and
     body both hold the interpreter lock. With one core, or if the process fails, kernels are compiled when called.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if cores < 2 or (cache_folder() / DONE).exists():
+    if cores() < 2 or (cache_folder() / DONE).exists():
         yield
         return
     process = subprocess.Popen(
