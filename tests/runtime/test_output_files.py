@@ -39,6 +39,12 @@ def test_a_name_leads_nowhere_else(name):
     assert file_name(file) == file
 
 
+def test_long_names_that_begin_alike_stay_apart():
+    one, other = (file_name("Länge_" * 40 + end) for end in ("a", "b"))
+    assert one != other
+    assert one[:70] == other[:70]
+
+
 def test_folders_are_not_made(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     require_folder(Path("run.mcap"))

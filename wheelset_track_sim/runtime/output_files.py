@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -15,10 +16,14 @@ LONGEST = 100
 def file_name(name: str) -> str:
     """Name of a file for what has a ``name``: letters, digits, ``_``, ``-``, ``+`` and ``.``, none of these first.
 
-    Anything else, such as a slash, becomes an underscore: a name leads to no other folder. Never empty.
+    Anything else, such as a slash, becomes an underscore: a name leads to no other folder. Never empty. What is too
+    long ends in a digest of the whole, so that names that begin alike stay apart.
     """
-    plain = re.sub(r"[^\w.+-]+", "_", name).strip("._-+")
-    return plain.encode()[:LONGEST].decode(errors="ignore") or "unnamed"
+    plain = re.sub(r"[^\w.+-]+", "_", name).strip("._-+") or "unnamed"
+    if len(plain.encode()) <= LONGEST:
+        return plain
+    digest = hashlib.blake2b(plain.encode(), digest_size=4).hexdigest()
+    return f"{plain.encode()[: LONGEST - 9].decode(errors='ignore')}_{digest}"
 
 
 def require_folder(path: Path) -> None:
