@@ -14,6 +14,7 @@ from wheelset_track_sim.twin.measured import read_measurement
 EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 
 
+@pytest.mark.slow
 def test_stresses_are_told_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "stress.csv"
     assert main(["stress", str(EXAMPLE), "--nodes", "A1,C1", "--out", str(out), "--json"]) == 0

@@ -53,6 +53,7 @@ def page_of(make_survey, write_report, tmp_path):
     return page
 
 
+@pytest.mark.slow
 def test_it_says_what_ran_and_what_came_out(page_of):
     words = page_of("damage_wheel_1", spikes=[(1.8, 300e3)]).words
     for part in (
@@ -86,6 +87,7 @@ def test_without_impacts(page_of):
     assert "Contact pressure at the largest force" in words
 
 
+@pytest.mark.slow
 def test_many_impacts(page_of):
     spikes = [(0.5 + 0.15 * number, 201e3 + 1e3 * number) for number in range(150)]
     words = page_of("damage_both", length=25.0, spikes=spikes).words
@@ -94,6 +96,7 @@ def test_many_impacts(page_of):
     assert "251.0 kN" in words
 
 
+@pytest.mark.slow
 def test_changes_are_listed(page_of):
     changes = [(3000, ["speed=30"]), (4000, ["speed=30", "axle_load=150000", "irregularities=[]"])]
     words = page_of("damage_wheel_1", revisions=changes).words
@@ -150,6 +153,7 @@ def test_a_report_goes_into_a_page_and_nowhere_else(make_bag, tmp_path, capsys, 
     assert [*tmp_path.iterdir()] == [bag]
 
 
+@pytest.mark.slow
 def test_a_page_is_beside_its_bag_wherever_one_stands(make_bag, tmp_path, monkeypatch):
     bag = make_bag(tmp_path / "run.1", "undamaged", 1.0, ())
     monkeypatch.chdir(bag)
@@ -201,6 +205,7 @@ def test_without_bokeh_there_is_one_line(make_bag, tmp_path, monkeypatch, capsys
     assert "the page needs bokeh, which is not here: run make setup, or pip install bokeh" in line
 
 
+@pytest.mark.slow
 def test_report_of_a_bag(make_bag, tmp_path, capsys):
     bag = make_bag(tmp_path / "run.mcap", "damage_wheel_1", 6.0, [(1.8, 300e3), (4.513, 290e3)])
     out = tmp_path / "page.html"

@@ -12,6 +12,7 @@ from wheelset_track_sim.runtime import jit
 PACKAGE = Path(wheelset_track_sim.__file__).parent
 
 
+@pytest.mark.slow
 def test_compiled_functions_stand_where_the_cache_digest_looks() -> None:
     for path in PACKAGE.rglob("*.py"):
         names = {

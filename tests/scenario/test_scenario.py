@@ -18,12 +18,14 @@ from wheelset_track_sim.wheelset.kinds import load_wheelset
 
 
 @pytest.mark.parametrize("name", shipped.names("scenarios"))
+@pytest.mark.slow
 def test_shipped_scenarios_load_and_come_back_from_their_own_text(name: str) -> None:
     scenario = load_scenario(name)
     assert scenario.name == name
     assert scenario_from(parse(scenario.to_yaml(), name)) == scenario
 
 
+@pytest.mark.slow
 def test_the_papers_load_cases_are_shipped() -> None:
     on = {name: sorted(item.on for item in load_scenario(name).irregularities) for name in shipped.names("scenarios")}
     assert on["undamaged"] == []

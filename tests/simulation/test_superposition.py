@@ -38,6 +38,7 @@ def run(smooth: Simulator, loads: dict[str, object]) -> np.ndarray:
     return stresses
 
 
+@pytest.mark.slow
 def test_loads_superpose(smooth: Simulator, unloaded: np.ndarray) -> None:
     """Of press fit, given stress and torque together comes what each of them adds alone."""
     parts: list[dict[str, object]] = [

@@ -95,6 +95,7 @@ def band_stress(y: np.ndarray, bands: list[tuple[float, float]], pressure: float
     return np.stack([axial, around - mean], axis=1)
 
 
+@pytest.mark.slow
 def test_press_fit_beside_the_seats(plain: Wheelset) -> None:
     y = np.array([-0.62, -0.58, -0.5, 0.0, 0.6])  # the nearest 35 mm from the edge, where the pressure jumps
     positions = np.stack([0 * y, y, 0 * y + RADIUS], axis=1)

@@ -98,6 +98,7 @@ def same(one: ReducedWheelset, other: ReducedWheelset) -> None:
         assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_the_x40_by_its_modes_is_the_x40(content: dict[str, Any], reduced: ReducedWheelset) -> None:
     found = of(content).reduced()
     same(found, reduced)
