@@ -140,7 +140,7 @@ def test_torque_by_diameters_and_places(content: dict[str, Any]) -> None:
     found = superposition(Loads(torque=1000.0), wheelset, wheelset.reduced(), ("A1", "C1"))
     assert found is not None
     tau = 8 / (np.pi * 0.18**3)
-    assert found.torsion.reshape(2, 6)[:, 3] == pytest.approx([tau, -tau])
+    assert found.of_torque.at(found.angles)[:, 3] == pytest.approx([tau, -tau])
 
 
 @pytest.mark.parametrize(
