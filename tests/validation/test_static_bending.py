@@ -71,7 +71,7 @@ def bodies(wheelset: Wheelset) -> list[tuple[float, float]]:
 
 
 def test_own_weight_of_the_x40() -> None:
-    """Static stresses at 20 t, without and with it; at 12 t they are up to 22 % too high without it."""
+    """Static stresses at 20 t, without and with it; at 12 t they are up to 23 % too high without it."""
     x40 = load_wheelset("x40")
     mesh = wheelset_mesh(x40)
     samples = stress_points(x40, mesh)
@@ -87,7 +87,7 @@ def test_own_weight_of_the_x40() -> None:
     assert maximum_principal(without + weight) / 1e6 == pytest.approx([60.9, 55.6, 55.4], abs=0.06)
     light = 0.6 * without
     excess = maximum_principal(light) / maximum_principal(light + weight) - 1
-    assert excess.max() == pytest.approx(0.22, abs=0.01)
+    assert excess.max() == pytest.approx(0.226, abs=0.003)
 
 
 def test_weight_and_what_carries_it(plain: Wheelset) -> None:

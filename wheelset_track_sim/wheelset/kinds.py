@@ -31,8 +31,8 @@ def load_wheelset(source: str | Path | Mapping[str, Any]) -> AnyWheelset:
     Parameters
     ----------
     source
-        Name of a shipped wheelset (``x40``, ``trailer``, ``trailer_calculix``), path of a YAML or NumPy file, or a
-        mapping with the keys of such a file.
+        Name of a shipped wheelset (``x40``, ``trailer``, ``freight``, ``metro``, ``trailer_calculix``), path of a YAML
+        or NumPy file, or a mapping with the keys of such a file.
 
     Returns
     -------
