@@ -90,9 +90,10 @@ def _own_weight() -> list[str]:
     weights = [[without - within for without, within in zip(*each, strict=True)] for each in (ours, bricks)]
     return [
         "**Own weight.** Wheels, discs and axle carry themselves, so the journals carry the axle load less their "
-        "weight. The paper lets them carry all of it, and so do the scenarios of the paper here; `loads: {own_weight: true}` "
-        "superposes the difference, a constant stress of gravity alone. Static maximum principal stresses of the X40, "
-        f"MPa; without own weight they are up to {number(100 * excess, 0)} % too high at 12 t:",
+        "weight. The paper lets them carry all of it, and so do the scenarios of the paper here; "
+        "`loads: {own_weight: true}` superposes the difference, a constant stress of gravity alone. Static maximum "
+        "principal stresses of the X40, MPa; without own weight they are up to "
+        f"{number(100 * excess, 0)} % too high at 12 t:",
         table(("axle load", *(f"{node}{end}" for node in nodes for end in ("", " with own weight"))), rows),
         "`tests/validation/test_static_bending.py` holds it within 2 % of a beam that carries wheels, gearbox and "
         "itself, and within 0.5 % far from hubs. For the trailer, CalculiX with bricks of "
