@@ -22,7 +22,7 @@ from .stress_points import in_axes
 POLAR = ("rr", "yy", "tt", "ry", "rt", "yt")
 """Order of stress components in axes that turn with the angle; the last two change sign with the sense of ``a``."""
 NEARLY_NONE = 0.1
-"""Of cosine or sine, below which an angle says nothing of an amplitude."""
+"""Cosine or sine of an angle below which the stress there does not determine an amplitude."""
 SHEAR = np.array([False, False, False, False, True, True])
 
 
@@ -86,12 +86,34 @@ class Around:
         return Around(self.mean[places], self.cosine[places], self.sine[places])
 
     def polar(self, angles: Real) -> Real:
-        """Stress (N, 6, A) at ``angles`` (A,), rad, in axes that turn with them: the order ``POLAR``."""
+        """Stress in axes that turn with the angle: what a point of the axle goes through in a turn.
+
+        Parameters
+        ----------
+        angles
+            (A,) from the top, rad.
+
+        Returns
+        -------
+        Real
+            (N, 6, A) Pa in the order ``POLAR``.
+        """
         a = np.asarray(angles, dtype=np.float64)
         return self.mean[..., None] + self.cosine[..., None] * np.cos(a) + self.sine[..., None] * np.sin(a)
 
     def at(self, angles: Real) -> Real:
-        """Stress (N, 6) in x, y, z at one angle (N,), rad, at each place: what a stress node shows."""
+        """Stress in the axes of the track at one angle for each place: what a stress node shows.
+
+        Parameters
+        ----------
+        angles
+            (N,) from the top, rad.
+
+        Returns
+        -------
+        Real
+            (N, 6) Pa: xx, yy, zz, xy, xz, yz.
+        """
         found = np.zeros_like(self.mean)
         for place, a in enumerate(angles):
             found[place] = in_axes(float(a), 1.0, 1.0) @ self.polar(np.array([a]))[place, :, 0]

@@ -133,13 +133,17 @@ def contact_displacements(wheelset: Wheelset, mesh: SectionMesh, direction: Dire
 
 def bearing_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
     """Vectors (all unknowns, 2) that read the mean upward displacement of the bearing surfaces (n = 1)."""
-    vectors = np.zeros((3 * len(mesh.points), 2))
+    return np.stack([section_motion(mesh, *surface)[:, 0] for surface in bearing_surfaces(wheelset)], axis=1)
+
+
+def bearing_surfaces(wheelset: Wheelset) -> list[tuple[float, float, float]]:
+    """Radius, first and last y, m, of the journals' surfaces under the axle boxes next to wheels 1 and 2."""
     boxes = wheelset.axle_boxes
-    for box, side in enumerate((-1, 1)):
+    found = []
+    for side in (-1, 1):
         low, high = (side * boxes.distance + end * boxes.bearing_length / 2 for end in (-1, 1))
-        radius = wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2
-        vectors[:, box] = section_motion(mesh, radius, low, high)[:, 0]
-    return vectors
+        found.append((wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2, low, high))
+    return found
 
 
 def section_motion(mesh: SectionMesh, radius: float, low: float, high: float) -> Real:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..runtime.arrays import Real
 from .around import Around
-from .harmonics import HarmonicModel, contact_displacements, harmonic, on_surface
+from .harmonics import HarmonicModel, bearing_surfaces, contact_displacements, harmonic, on_surface
 from .mesh import wheelset_mesh
 from .section_mesh import SectionMesh
 from .stress_points import surface_amplitudes
@@ -22,11 +22,23 @@ from .wheelset import Wheelset
 
 
 def own_weight_stress(wheelset: Wheelset, y: Real) -> Around:
-    """Stress at places ``y`` (N,), m, of the wheelset's own weight, hung up in its axle boxes, which is to be added.
+    """Work out the stress that own weight adds: that of the wheelset under gravity, hung up in its axle boxes.
 
-    With contact forces of 2 P in all the journals carry 2 P - W, where a wheelset without weight would have them carry
-    2 P: the difference is W, the weight of all but the axle boxes, as a body force, and W from the journals upwards.
-    Axle boxes stand on the journals, where the suspension presses on them: their weight makes no stress.
+    With contact forces of 2 P in all, the journals carry 2 P - W, and 2 P if the wheelset weighs nothing. The
+    difference is W, the weight of all but the axle boxes, as a body force, and W upwards from the journals. Axle boxes
+    stand on the journals, where the suspension presses on them: their weight makes no stress.
+
+    Parameters
+    ----------
+    wheelset
+        By its geometry.
+    y
+        (N,) places on the axle's free surface, m.
+
+    Returns
+    -------
+    Around
+        Stress at the places, Pa.
     """
     mesh = wheelset_mesh(wheelset)
     model = harmonic(wheelset, mesh, 1)
@@ -34,10 +46,24 @@ def own_weight_stress(wheelset: Wheelset, y: Real) -> Around:
 
 
 def longitudinal_stress(wheelset: Wheelset, y: Real, wheel_1_share: float) -> Around:
-    """Stress at places ``y`` (N,), m, of the longitudinal forces by which both rails react to a torque of 1 N m.
+    """Work out the bending by the longitudinal forces with which both rails react to a torque of 1 N m.
 
     They are ``share / R`` forwards at the contacts, and the axle boxes hold them: bending in the horizontal plane. The
-    moment of the torque itself is torsion, and not in it.
+    moment of the torque itself is torsion, which ``static_loads.torsion_stress`` has.
+
+    Parameters
+    ----------
+    wheelset
+        By its geometry.
+    y
+        (N,) places on the axle's free surface, m.
+    wheel_1_share
+        Share of the torque that rail 1 takes.
+
+    Returns
+    -------
+    Around
+        Stress at the places for each N m, Pa.
     """
     mesh = wheelset_mesh(wheelset)
     model = harmonic(wheelset, mesh, 1)
@@ -47,10 +73,24 @@ def longitudinal_stress(wheelset: Wheelset, y: Real, wheel_1_share: float) -> Ar
 
 
 def lateral_stress(wheelset: Wheelset, y: Real, forces: Real) -> Around:
-    """Stress at places ``y`` (N,), m, of lateral forces (2,), N, on the wheels at their contacts, to the left.
+    """Work out the stress of lateral forces on the wheels at their contacts.
 
     The axle boxes hold them by halves along y. The rails take the moment about x: the vertical forces of the contacts
-    change by ``transferred``.
+    change by ``transferred``. EN 13103-1 has the same statics, with its Y1, Y2 and H.
+
+    Parameters
+    ----------
+    wheelset
+        By its geometry.
+    y
+        (N,) places on the axle's free surface, m.
+    forces
+        (2,) on wheel 1 and 2, to the left positive, N.
+
+    Returns
+    -------
+    Around
+        Stress at the places, Pa.
     """
     mesh = wheelset_mesh(wheelset)
     model = harmonic(wheelset, mesh, 1)
@@ -60,11 +100,8 @@ def lateral_stress(wheelset: Wheelset, y: Real, forces: Real) -> Around:
 
     axial = harmonic(wheelset, mesh, 0)
     held = sideways + upwards
-    boxes = wheelset.axle_boxes
-    for side in (-1, 1):
-        low, high = (side * boxes.distance + end * boxes.bearing_length / 2 for end in (-1, 1))
-        radius = wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2
-        nodes, weights = on_surface(mesh, radius, low, high)
+    for surface in bearing_surfaces(wheelset):
+        nodes, weights = on_surface(mesh, *surface)
         np.add.at(held, 3 * nodes + 1, -forces.sum() / 2 * weights)
     along = _amplitudes(wheelset, mesh, axial, axial.free.T @ held, y)
     return Around.vertical(bending) + Around.even(along)
