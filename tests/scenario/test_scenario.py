@@ -147,7 +147,7 @@ def test_shipped_models_are_names_in_text_and_others_their_content() -> None:
             assert load_scenario("undamaged", [f"{kind[:-1]}={name}", NODES[name]]).to_mapping()[kind[:-1]] == name
 
 
-NODES = dict.fromkeys(["trailer", "trailer_calculix"], "output.stress_nodes=[A1]")
+NODES = dict.fromkeys(["trailer", "trailer_calculix", "freight", "metro"], "output.stress_nodes=[A1]")
 NODES |= dict.fromkeys(["slab_60e1", "ballasted_54e1", "ballasted_60e1", "x40"], "speed=30")
 
 

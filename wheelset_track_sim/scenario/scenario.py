@@ -148,6 +148,7 @@ class Scenario:
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
         self._check_speeds()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
+        self.loads.check_weight(self.wheelset, self.axle_load)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)
