@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ..errors import ContactError, InputError
 from ..irregularities.surface import WHEELS
@@ -38,6 +39,16 @@ class ContactPatch:
     """Longitudinal positions of the elements, (nx,), m, ahead positive."""
     y: Real
     """Lateral positions of the elements, from the middle of the rail's head, (ny,), m, to the left positive."""
+
+    def share_from(self, pressure: float) -> float:
+        """Share of the force on elements with a ``pressure``, Pa, and more; 0 without contact."""
+        return share_from(self.pressure, pressure)
+
+
+def share_from(pressures: Real, least: float) -> float:
+    """Share of the force of ``pressures`` (nx, ny), Pa, on elements with the pressure ``least``, Pa, and more."""
+    total = pressures.sum()
+    return float(pressures[pressures >= least].sum() / total) if total > 0 else 0.0
 
 
 def solve_patch(
@@ -105,6 +116,16 @@ def approach_for_force(
     touch = float(np.min(total_separation(law, wheel, tread_index, rail_index)))
     if force == 0.0:
         return touch
+    approach = _elastic_approach(law._replace(hardness=np.inf), wheel, tread_index, rail_index, force, touch)
+    if law.hardness < np.inf:
+        approach = _yielding_approach(law, wheel, tread_index, rail_index, force, touch, approach)
+    return approach + compliance * force
+
+
+def _elastic_approach(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, force: float, touch: float
+) -> float:
+    """``approach_for_force`` of an elastic contact without a table; ``touch`` is the approach of first touch, m."""
     approach = touch + 1e-6
     low, high = touch, np.inf
     nearest, error = approach, np.inf
@@ -128,10 +149,37 @@ def approach_for_force(
         if force > 2.0 * patch.force:
             step = 1.5 * ((force / patch.force) ** (2 / 3) - 1.0) * patch.force / patch.stiffness
         if abs(step) <= 2 * np.spacing(max(abs(approach), abs(touch), approach - touch)):  # it may be next to zero
-            return approach + compliance * force
+            return approach
         approach = approach + step if approach + step < high else 0.5 * (approach + high)
     if error <= NEAR * force:  # rounding keeps the last step above the bound
-        return nearest + compliance * force
-    raise ContactError(
+        return nearest
+    raise _not_borne(wheel, tread_index, rail_index, force)
+
+
+def _yielding_approach(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, force: float, touch: float, elastic: float
+) -> float:
+    """``approach_for_force`` of a contact that may yield: no less than that of the ``elastic`` one, m.
+
+    The force rises with the approach, in straight pieces, but is not convex: Brent's method.
+    """
+
+    def lacking(approach: float) -> float:
+        return solve_patch(law, wheel, tread_index, rail_index, approach).force - force
+
+    patch = solve_patch(law, wheel, tread_index, rail_index, elastic)
+    if patch.pressure.max() < law.hardness:
+        return elastic
+    low, high = elastic, touch + 1.5 * (elastic - touch)
+    try:
+        while lacking(high) < 0.0:
+            low, high = high, touch + 1.5 * (high - touch)
+    except ContactError:
+        raise _not_borne(wheel, tread_index, rail_index, force) from None
+    return float(brentq(lacking, low, high, xtol=1e-3 * NEAR * (high - touch), rtol=1e-15))
+
+
+def _not_borne(wheel: int, tread_index: int, rail_index: int, force: float) -> ContactError:
+    return ContactError(
         f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"
     )

@@ -46,7 +46,10 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
     """
     dx, around = scenario.step_length, scenario.steps_per_revolution
     geometry, shapes = scenario.geometry, scenario.irregularities
-    law = build_contact_law(shapes, geometry, dx, around, rail_steps=scenario.line_steps, tables=False)
+    hardness = scenario.contact.largest_pressure
+    law = build_contact_law(
+        shapes, geometry, dx, around, rail_steps=scenario.line_steps, hardness=hardness, tables=False
+    )
     tread_step = step - scenario.tread_origin
     patch = solve_patch(law, wheel, tread_step, step, approach_for_force(law, wheel, tread_step, step, force))
     part_x, part_y = (_shown(patch.pressure.max(axis=axis) > 0) for axis in (1, 0))
