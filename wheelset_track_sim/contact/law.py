@@ -116,11 +116,11 @@ def build_contact_law(
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
 
     ``irregularities`` are those of treads and of rails, which repeat after ``rail_steps`` steps.
-    The area holds every contact up to ``largest_force``, N. No pressure is above ``hardness``, Pa. ``tables`` says whether the force-approach curves up to
-    ``TABLE_FORCE`` are worked out beforehand, for every position on treads and rails at which an irregularity can bear;
-    without them, above that force, where tread and rail both have an irregularity, and where one is rough, the active
-    set is solved in every step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect
-    that is the fastest.
+    The area holds every contact up to ``largest_force``, N. No pressure is above ``hardness``, Pa.
+    ``tables`` says whether the force-approach curves up to ``TABLE_FORCE`` are worked out beforehand, for every
+    position on treads and rails at which an irregularity can bear. Without them, above that force, where an element
+    yields, where tread and rail both have an irregularity, and where one is rough, the active set is solved in every
+    step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     surfaces = rolling_surfaces(tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force)

@@ -12,6 +12,7 @@ from ..irregularities.surface import WHEELS
 from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
+from .hardness import flag, share_from, stated
 from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
 
 REASONS = {
@@ -39,16 +40,23 @@ class ContactPatch:
     """Longitudinal positions of the elements, (nx,), m, ahead positive."""
     y: Real
     """Lateral positions of the elements, from the middle of the rail's head, (ny,), m, to the left positive."""
+    bound: float = np.inf
+    """Largest pressure that the contact law admits, Pa; infinite for an elastic contact."""
 
-    def share_from(self, pressure: float) -> float:
-        """Share of the force on elements with a ``pressure``, Pa, and more; 0 without contact."""
-        return share_from(self.pressure, pressure)
+    @property
+    def hardness(self) -> float:
+        """What pressures are compared with, Pa: the bound, or the hardness of steel."""
+        return stated(self.bound)
 
+    @property
+    def share_at_hardness(self) -> float:
+        """Share of the force on elements at that hardness or above."""
+        return share_from(self.pressure, self.hardness)
 
-def share_from(pressures: Real, least: float) -> float:
-    """Share of the force of ``pressures`` (nx, ny), Pa, on elements with the pressure ``least``, Pa, and more."""
-    total = pressures.sum()
-    return float(pressures[pressures >= least].sum() / total) if total > 0 else 0.0
+    @property
+    def flag(self) -> str:
+        """The same in words; empty if the share is zero."""
+        return flag(self.pressure, self.bound)
 
 
 def solve_patch(
@@ -68,7 +76,7 @@ def solve_patch(
             f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index}, approach {approach:g} m, "
             f"compliance {compliance:g} m/N: {REASONS.get(status, 'the inputs are not finite')}"
         )
-    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel])
+    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel], law.hardness)
 
 
 NEAR = 1e-9

@@ -29,10 +29,10 @@ the new distances minus the old ones of one exchange. With M d = p - M (delta - 
     apart afterwards:          p_new = 0 <= p_old                                (M e) <= 0
     bear elastically:          d_new = 0, and d_old >= 0 outside Y:                 e  <= 0
 
-On the first two sets C, M_CC e_C <= -M_CE e_E <= 0 with the third set E, so e_C <= 0: no distance rises. An element of Y
-had d = 0 when it joined, so d <= 0 ever after: Y need not give elements back. Y only grows; with m elements there are at
-most m exchanges. Three to eight are on the contacts tested. At the end the three conditions hold: on Y d <= 0, on the
-rest Eq. (8) and p <= H.
+On the first two sets C, M_CC e_C <= -M_CE e_E <= 0 with the third set E, so e_C <= 0: no distance rises. An element of
+Y had d = 0 when it joined, so d <= 0 ever after: Y need not give elements back. Y only grows; with m elements there are
+at most m exchanges. Three to eight are on the contacts tested. At the end the three conditions hold: on Y d <= 0, on
+the rest Eq. (8) and p <= H.
 
 Monotony. By the same argument F rises with delta and falls with H, and a contact holds all elements of the elastic one.
 F is at most H times the area in contact.
