@@ -18,7 +18,7 @@ from wheelset_track_sim.contact import (
 )
 from wheelset_track_sim.contact.active_set_kernels import AT_BORDER, CONVERGED, solve_active_set
 from wheelset_track_sim.contact.influence import influence_table
-from wheelset_track_sim.contact.law_kernels import solve_contact, total_separation
+from wheelset_track_sim.contact.law_kernels import solve_contact, tabulated_force, total_separation
 from wheelset_track_sim.contact.tables import force_path
 from wheelset_track_sim.contact.yielding_kernels import solve_yielding
 from wheelset_track_sim.errors import ContactError
@@ -32,8 +32,15 @@ SHAPES = (Flat("wheel_1", 0.06), Breakout("wheel_2", 0.030, 0.024, 0.002))
 
 
 @cache
-def law(hardness=np.inf, tables=False):
-    return build_contact_law(SHAPES, ContactGeometry(), DX, 2713, hardness=hardness, tables=tables)
+def law(hardness=np.inf):
+    return build_contact_law(SHAPES, ContactGeometry(), DX, 2713, hardness=hardness, tables=False)
+
+
+@cache
+def short_flat(hardness, tables):
+    return build_contact_law(
+        [Flat("wheel_1", 0.02)], ContactGeometry(), DX, 2713, largest_force=3e5, hardness=hardness, tables=tables
+    )
 
 
 def solved(gap, hardness, approach, compliance=0.0, *, mirrored=False, guess=None):
@@ -201,27 +208,30 @@ def test_tables_end_where_the_first_element_yields():
 
 
 def test_force_goes_on_from_tables_to_solutions():
-    solving, tabulated = law(H), law(H, tables=True)
-    touch = total_separation(solving, 0, 27, 0).min()
+    solving, tabulated = short_flat(1.5e9, False), short_flat(1.5e9, True)
+    touch = total_separation(solving, 0, 8, 0).min()
     for compliance in (0.0, 3e-10):
         for depth in np.linspace(-1e-5, 2e-4, 15):
-            one, two = (contact_force(each, 0, 27, 0, touch + depth, compliance) for each in (solving, tabulated))
+            one, two = (contact_force(each, 0, 8, 0, touch + depth, compliance) for each in (solving, tabulated))
             assert one == pytest.approx(two, rel=1e-9, abs=1e-6)
+    assert np.isnan(tabulated_force(tabulated, 0, 8, 0, touch + 2e-4, 0.0))
 
 
 def test_without_yield_tables_are_those_of_an_elastic_contact():
-    smooth = [build_contact_law([], ContactGeometry(), DX, 2713, hardness=each) for each in (np.inf, H)]
+    smooth = [
+        build_contact_law([], ContactGeometry(), DX, 2713, largest_force=3e5, hardness=each) for each in (np.inf, H)
+    ]
     assert (smooth[0].points == smooth[1].points).all()
 
 
 @pytest.mark.parametrize("tables", [False, True])
 def test_approach_for_a_force_of_a_contact_that_yields(tables):
-    bounded = law(H, tables)
-    for tread in (-27, 25, 28, 1000):
-        for force in (1e3, 60e3, 250e3):
+    bounded = short_flat(1.5e9, tables)
+    for tread in (-8, 5, 8, 1000):
+        for force in (1e3, 40e3, 150e3):
             approach = approach_for_force(bounded, 0, tread, 0, force, 1e-10)
             assert force_at(bounded, 0, tread, 0, approach, 1e-10) == pytest.approx(force, rel=1e-9)
-    assert approach_for_force(bounded, 0, 28, 0, 250e3) > approach_for_force(law(), 0, 28, 0, 250e3)
+    assert approach_for_force(bounded, 0, 8, 0, 150e3) > approach_for_force(short_flat(np.inf, False), 0, 8, 0, 150e3)
 
 
 def test_a_force_beyond_what_yields_within_the_area_is_an_error():

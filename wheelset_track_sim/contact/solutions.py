@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from ..errors import ContactError, InputError
 from ..irregularities.surface import WHEELS
@@ -184,7 +184,7 @@ def _yielding_approach(
             low, high = high, touch + 1.5 * (high - touch)
     except ContactError:
         raise _not_borne(wheel, tread_index, rail_index, force) from None
-    return float(brentq(lacking, low, high, xtol=1e-3 * NEAR * (high - touch), rtol=1e-15))
+    return float(scipy.optimize.brentq(lacking, low, high, xtol=1e-3 * NEAR * (high - touch), rtol=1e-15))
 
 
 def _not_borne(wheel: int, tread_index: int, rail_index: int, force: float) -> ContactError:

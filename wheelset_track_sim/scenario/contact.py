@@ -12,8 +12,8 @@ HARDNESS = Quantity("Pa", 1e9, 2e10, "the hardness of wheel and rail")
 
 
 @dataclass(frozen=True)
-class Contact:
-    """Options of the contact. The default is the linear elastic contact of the paper."""
+class ContactOptions:
+    """How wheel and rail press on each other. The default is the linear elastic contact of the paper."""
 
     hardness: float | None = None
     """Largest pressure that the softer of wheel and rail bears, Pa; None is an elastic contact without a bound."""

@@ -23,7 +23,7 @@ from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, read_wheelset
-from .contact import Contact
+from .contact import ContactOptions
 from .loads import Loads
 from .profiles import Profiles
 
@@ -107,7 +107,7 @@ class Scenario:
         "m", -0.020, 0.020, "the distance of the wheelset from the middle of the track, to the left", default=0.0
     )
     """Constant during a run, as in the paper (Section 2.3)."""
-    contact: Contact = field(default_factory=Contact)
+    contact: ContactOptions = field(default_factory=ContactOptions)
     """Linear elastic by default."""
     output: Output = field(default_factory=Output)
     reference_position: float = quantity(
