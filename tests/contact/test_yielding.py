@@ -18,7 +18,7 @@ from wheelset_track_sim.contact import (
 )
 from wheelset_track_sim.contact.active_set_kernels import AT_BORDER, CONVERGED, solve_active_set
 from wheelset_track_sim.contact.influence import influence_table
-from wheelset_track_sim.contact.law_kernels import solve_contact, tabulated_force, total_separation
+from wheelset_track_sim.contact.law_kernels import solve_bounded, tabulated_force, total_separation
 from wheelset_track_sim.contact.tables import force_path
 from wheelset_track_sim.contact.yielding_kernels import solve_yielding
 from wheelset_track_sim.errors import ContactError
@@ -173,7 +173,7 @@ def test_the_first_guess_does_not_change_a_bit(tread, depth, seed, share):
     pressures = np.empty((2, *gap.shape))
     found = []
     for start, pressure in zip((guess, np.zeros(gap.shape, bool)), pressures, strict=True):
-        result = solve_contact(bounded, 0, tread, 0, gap.min() + depth, 1e-10, start, pressure)
+        result = solve_bounded(bounded, 0, tread, 0, gap.min() + depth, 1e-10, start, pressure)
         found.append((result, start.tobytes()))
     assert found[0] == found[1]
     assert (pressures[0] == pressures[1]).all()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -13,7 +14,7 @@ from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .hardness import flag, share_from, stated
-from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
+from .law_kernels import ContactLaw, contact_force, solve_bounded, solve_contact, total_separation
 
 REASONS = {
     NOT_CONVERGED: "the active set does not settle",
@@ -68,7 +69,7 @@ def solve_patch(
     """
     pressure = np.empty(law.separation.shape[1:])
     guess = np.zeros(law.separation.shape[1:], np.bool_)
-    force, stiffness, status = solve_contact(
+    force, stiffness, status = _solving(law)(
         law, wheel, tread_index, rail_index, float(approach), float(compliance), guess, pressure
     )
     if status != CONVERGED:
@@ -82,15 +83,20 @@ def solve_patch(
 NEAR = 1e-9
 """Share of a force within which an approach bears it."""
 
-_SOLVER: list[Address] = []
+_SOLVERS: dict[Any, Address] = {}
 
 
 def solver(law: ContactLaw) -> Address:
-    """``solve_contact`` for the coupled step; compiled when that is called, which takes half a minute, once."""
-    if not _SOLVER:  # to the compiler, all laws are of one type
+    """What solves a law in the coupled step; compiled when that is called, which takes half a minute, once."""
+    solving = _solving(law)
+    if solving not in _SOLVERS:  # to the compiler, all laws are of one type
         call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
-        _SOLVER.append(Address(solve_contact, (0.0, 0.0, 0), call))
-    return _SOLVER[0]
+        _SOLVERS[solving] = Address(solving, (0.0, 0.0, 0), call)
+    return _SOLVERS[solving]
+
+
+def _solving(law: ContactLaw) -> Any:
+    return solve_bounded if law.hardness < np.inf else solve_contact
 
 
 def force_at(
