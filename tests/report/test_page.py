@@ -71,6 +71,12 @@ def test_it_says_what_ran_and_what_came_out(page_of):
     ):
         assert part in words
     assert re.search(r"peak pressure \d{4} MPa", words)
+    assert "2.6 GPa" not in words
+
+
+def test_it_says_where_steel_would_yield(page_of):
+    words = page_of("flat_fresh", spikes=[(1.826, 290e3)]).words
+    assert re.search(r"Pressure above 2\.6 GPa on \d\d % of the force\. .*Linear elastic", words)
 
 
 def test_addresses_of_other_files_or_places_are_not_in_it(page_of):

@@ -173,6 +173,8 @@ class Services:
             raise InputError("there is no step yet: activate the node first")
         instant = kept[request.at][request.wheel - 1]
         patch = instant.contact.solve()
+        if patch.flag:
+            self._node.get_logger().warning(f"wheel_{request.wheel} at step {instant.contact.step}: {patch.flag}")
         rows, columns = patch.pressure.shape
         return {
             "header": header(instant.time, run.start_ns),

@@ -23,6 +23,7 @@ from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, read_wheelset
+from .contact import ContactOptions
 from .loads import Loads
 from .profiles import Profiles
 
@@ -106,6 +107,8 @@ class Scenario:
         "m", -0.020, 0.020, "the distance of the wheelset from the middle of the track, to the left", default=0.0
     )
     """Constant during a run, as in the paper (Section 2.3)."""
+    contact: ContactOptions = field(default_factory=ContactOptions)
+    """Linear elastic by default."""
     output: Output = field(default_factory=Output)
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
