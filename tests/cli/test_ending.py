@@ -107,7 +107,7 @@ def test_a_log_folder_that_cannot_be_written(tmp_path, variable):
     assert status == 2
     assert len(lines) == 1
     assert "ROS cannot write its log" in lines[0]
-    assert "set ROS_LOG_DIR, or HOME, to a folder that can be written" in lines[0]
+    assert "set ROS_LOG_DIR or HOME to a folder that can be written" in lines[0]
 
 
 @pytest.mark.parametrize("arguments", [("run", "."), ("study", "."), ("stress", "."), ("info", "."), ("report", ".")])
