@@ -281,7 +281,7 @@ def test_reset_begins_a_new_run_with_what_is_in_force(start, client, services, f
 
 
 def test_a_new_run_that_cannot_be_recorded_stands_until_it_is_told_to_go_on(start, client, services, forces, tmp_path):
-    name = "r" * 247  # with _2 the name of a file in it is too long
+    name = "r" * 254  # with _2 it is too long
     bag = {"record__directory": tmp_path, "record__name": name, "record__on_start": "true"}
     node = start(scenario="undamaged", **bag)
     client.until(lambda: forces)

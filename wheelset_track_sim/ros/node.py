@@ -18,7 +18,7 @@ from rclpy.parameter import Parameter
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
-from ..live.recorder import Recorder, path_below
+from ..live.recorder import LONGEST_OF_FILE, Recorder, path_below
 from ..live.revisions import Revisions
 from ..monitoring.status import recording_status
 from ..scenario import Scenario
@@ -270,7 +270,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         bag = None
         if self.parameters["record.on_start"]:
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
-            bag = path_below(folder, name) if name else self.recorder.path_now(folder)
+            bag = path_below(folder, name, LONGEST_OF_FILE) if name else self.recorder.path_now(folder)
         try:
             self._outputs.create(simulator.scenario.output.stress_nodes)
             LifecycleNodeMixin.on_configure(self, previous)
