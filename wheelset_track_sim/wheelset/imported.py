@@ -30,7 +30,7 @@ DAMPING = Quantity("", 1e-7, 5.0, "the damping ratio")
 MASS = Quantity("kg", 1e-12, 1e12, "the modal mass")
 DIAMETER = Quantity("m", 0.05, 0.4, "the axle's diameter at the node")
 ONE_SUSPENSION = 0.02
-"""Share by which the stiffness of the suspension may differ that follows from a load on wheel 1, or on wheel 2."""
+"""Share by which the stiffnesses of both suspensions may differ that follow from the modes."""
 IN_COMMON = 5.0
 """Factor between the stress of all modes and the static stress, at which units or normalisation are not the same."""
 
@@ -147,21 +147,21 @@ class ImportedWheelset:
 
     @property
     def suspension_stiffness(self) -> float:
-        """Stiffness of one primary suspension, N/m, from equilibrium: both reactions add up to the load on a wheel.
+        """Stiffness of one primary suspension, N/m: a force at one lifts it by that alone, and the other one not.
 
         Raises InputError for modes that do not say it.
         """
         if not self.modes.suspension:
             raise InputError("a vehicle needs the modes' lift at the suspension: give modes.suspension")
         omega, norm, *_ = self._normalised()
-        lift, boxes = np.array(self.modes.lift) / norm, np.array(self.modes.suspension) / norm
-        by_wheel = (boxes.sum(axis=1) / omega**2) @ lift  # of both suspensions together, m/N, for a force on each wheel
-        if not by_wheel.min() > 0.0 or np.ptp(by_wheel) > ONE_SUSPENSION * by_wheel.mean():
+        boxes = np.array(self.modes.suspension) / norm
+        first, second = np.linalg.eigvalsh(boxes.T @ (boxes / omega[:, np.newaxis] ** 2))
+        if not second > first > (1.0 - ONE_SUSPENSION) * second:
             raise InputError(
-                f"modes.suspension lifts both suspensions by {by_wheel[0]:.4g} and {by_wheel[1]:.4g} m for 1 N "
-                f"on wheel 1 and 2: give modes on two equal suspensions"
+                f"modes.suspension says {1 / second:.4g} and {1 / first:.4g} N/m of two springs, or modes are missing: "
+                "give bounce and roll on two equal suspensions"
             )
-        return float(1.0 / by_wheel.mean())
+        return float(1.0 / second)
 
     def reduced(self, vehicle: Vehicle | None = None) -> ReducedWheelset:
         """Reduced model of its modes, under a vehicle if there is one."""
@@ -180,7 +180,7 @@ class ImportedWheelset:
             omega, damping, own, stress = on_vehicle(
                 omega, damping, boxes, rows.reshape(-1, len(omega)), spring, dashpot, vehicle
             )
-            shapes, rows = own.T @ lift, stress.reshape(nodes, 6, -1)
+            shapes, rows = own.T @ lift, stress.reshape(nodes, 6, len(omega))
         poles, left, right = diagonalised(omega, damping)
         order = np.argsort(np.abs(poles), kind="stable")
         poles, left, right = poles[order], left[order], right[:, order]
