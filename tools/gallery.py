@@ -28,7 +28,10 @@ GROUPS = {
     "Rails": ("rail_roughness", "corrugation", "squat", "insulated_joint", "dipped_weld"),
     "Profiles": ("worn_profiles", "lateral_offset"),
     "Track": ("hanging_sleeper", "stiffness_transition", "scattered_support", "slab_track"),
-    "Wheelset, vehicle and loads": ("long_wave", "trailer", "imported", "press_fit", "braking_torque"),
+    "Wheelset, vehicle and loads": (
+        *("trailer", "freight", "metro", "imported", "long_wave"),
+        *("press_fit", "braking_torque"),
+    ),
     "All together": ("mixed",),
 }
 WINDOW = 1.5

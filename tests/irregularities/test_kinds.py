@@ -49,6 +49,7 @@ def entries():
     return found
 
 
+@pytest.mark.slow
 def test_every_kind_has_a_shipped_scenario(entries):
     assert set(entries) == set(KINDS)
 
@@ -67,6 +68,7 @@ NUMBERS = [
 
 @pytest.mark.parametrize(("kind", "name", "quantity"), NUMBERS, ids=[f"{kind}.{name}" for kind, name, _ in NUMBERS])
 @given(data=st.data())
+@pytest.mark.slow
 def test_every_bad_number_is_refused_by_name(entries, kind, name, quantity, data):
     span = quantity.high - quantity.low
     value = data.draw(

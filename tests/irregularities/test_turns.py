@@ -62,6 +62,7 @@ def test_a_turn_is_closed_however_it_is_written(
     noise=st.floats(0.0, 0.5),
     seed=st.integers(0, 2**32 - 1),
 )
+@pytest.mark.slow
 def test_several_turns_are_named_and_averaged(
     folder: Path, turns: float, samples: int, wraps: bool, noise: float, seed: int
 ) -> None:
@@ -86,6 +87,7 @@ def test_several_turns_are_named_and_averaged(
     closed=st.booleans(),
     noise=st.floats(0.0, 0.05),
 )
+@pytest.mark.slow
 def test_drift_is_named_and_removed(
     folder: Path, drift: float, samples: int, start: float, closed: bool, noise: float
 ) -> None:

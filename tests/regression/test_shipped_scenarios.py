@@ -24,6 +24,7 @@ def test_all_shipped_scenarios_are_stored() -> None:
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in shipped.names("scenarios")]
 )
+@pytest.mark.slow
 def test_forces_and_stresses_are_those_that_are_stored(name: str) -> None:
     found, stored = numbers_of(name), reference()[name]
     assert list(found) == list(stored)

@@ -33,6 +33,14 @@ def test_it_is_the_pressure_of_the_simulation():
     assert (found.pressure > 0).sum() == (expected > 0).sum()
 
 
+def test_a_contact_with_a_hardness_is_solved_with_it():
+    scenario = load_scenario("flat_fresh", ["contact.hardness=2.6e9"])
+    found = contact_map(scenario, 0, 1826, 286e3)
+    area = (found.x[1] - found.x[0]) * (found.y[1] - found.y[0])
+    assert found.pressure.max() == found.bound == 2.6e9
+    assert found.pressure.sum() * area == pytest.approx(286e3, rel=1e-9)
+
+
 @pytest.mark.parametrize(("turns", "behind"), [(0, 0.011), (3, -0.02)])
 def test_defects_lie_where_they_meet_the_rail(turns, behind):
     scenario = load_scenario("damage_wheel_1")

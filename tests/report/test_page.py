@@ -53,6 +53,7 @@ def page_of(make_survey, write_report, tmp_path):
     return page
 
 
+@pytest.mark.slow
 def test_it_says_what_ran_and_what_came_out(page_of):
     words = page_of("damage_wheel_1", spikes=[(1.8, 300e3)]).words
     for part in (
@@ -70,6 +71,12 @@ def test_it_says_what_ran_and_what_came_out(page_of):
     ):
         assert part in words
     assert re.search(r"peak pressure \d{4} MPa", words)
+    assert "2.6 GPa" not in words
+
+
+def test_it_says_where_steel_would_yield(page_of):
+    words = page_of("flat_fresh", spikes=[(1.826, 290e3)]).words
+    assert re.search(r"Pressure above 2\.6 GPa on \d\d % of the force\. .*Linear elastic", words)
 
 
 def test_addresses_of_other_files_or_places_are_not_in_it(page_of):
@@ -86,6 +93,7 @@ def test_without_impacts(page_of):
     assert "Contact pressure at the largest force" in words
 
 
+@pytest.mark.slow
 def test_many_impacts(page_of):
     spikes = [(0.5 + 0.15 * number, 201e3 + 1e3 * number) for number in range(150)]
     words = page_of("damage_both", length=25.0, spikes=spikes).words
@@ -94,6 +102,7 @@ def test_many_impacts(page_of):
     assert "251.0 kN" in words
 
 
+@pytest.mark.slow
 def test_changes_are_listed(page_of):
     changes = [(3000, ["speed=30"]), (4000, ["speed=30", "axle_load=150000", "irregularities=[]"])]
     words = page_of("damage_wheel_1", revisions=changes).words
@@ -150,6 +159,7 @@ def test_a_report_goes_into_a_page_and_nowhere_else(make_bag, tmp_path, capsys, 
     assert [*tmp_path.iterdir()] == [bag]
 
 
+@pytest.mark.slow
 def test_a_page_is_beside_its_bag_wherever_one_stands(make_bag, tmp_path, monkeypatch):
     bag = make_bag(tmp_path / "run.1", "undamaged", 1.0, ())
     monkeypatch.chdir(bag)
@@ -201,6 +211,7 @@ def test_without_bokeh_there_is_one_line(make_bag, tmp_path, monkeypatch, capsys
     assert "the page needs bokeh, which is not here: run make setup, or pip install bokeh" in line
 
 
+@pytest.mark.slow
 def test_report_of_a_bag(make_bag, tmp_path, capsys):
     bag = make_bag(tmp_path / "run.mcap", "damage_wheel_1", 6.0, [(1.8, 300e3), (4.513, 290e3)])
     out = tmp_path / "page.html"

@@ -338,3 +338,36 @@ def test_parameters_one_by_one_atomically_and_from_a_file_at_the_start(start, cl
     assert client.get("speed", "wheel_2.damage.y") == [32.0, 0.03]
     assert client.set(atomically=True, speed=32.0).reason == ""  # nothing new is no revision
     assert_gap_free(forces)
+
+
+def test_a_storm_of_requests_is_answered_whole(start, make_client):
+    """Three clients send 200 requests during a change that takes long; those that find no room are told so."""
+    from rclpy.qos import QoSProfile
+    from wheelset_track_msgs.srv import SetIrregularities, SetSpeed
+
+    from wheelset_track_sim.ros.turns import BUSY
+
+    node = start(scenario="undamaged")
+    clients = [make_client(f"client_{number}") for number in range(3)]
+    forces = clients[0].collect("contact_forces", "ContactForces")
+    clients[0].until(lambda: forces)
+    changes = clients[0].node.create_client(SetIrregularities, f"{clients[0].name}/set_irregularities")
+    speeds = [
+        each.node.create_client(SetSpeed, f"{each.name}/set_speed", qos_profile=QoSProfile(depth=200))
+        for each in clients
+    ]
+    assert all(each.wait_for_service(20.0) for each in (changes, *speeds))
+    flats = [f"{{type: flat, on: wheel_1, length: {0.03 + 0.005 * n}, angle: {n}}}" for n in range(5)]
+    long = changes.call_async(SetIrregularities.Request(irregularities=f"[{', '.join(flats)}]"))
+    sent = [
+        (client, speeds[client].call_async(SetSpeed.Request(speed=20.0 + 0.01 * number)))
+        for number, client in enumerate([0, 1, 2] * 66 + [0, 1])
+    ]
+    clients[0].until(lambda: all(answer.done() for _, answer in sent))
+    assert long.result().success
+    for client in range(3):
+        answers = [answer.result() for by, answer in sent if by == client]
+        accepted = [answer.revision for answer in answers if answer.success]
+        assert accepted == sorted(accepted)  # in the order in which they were sent
+        assert {answer.message for answer in answers if not answer.success} <= {BUSY}
+    end(node)

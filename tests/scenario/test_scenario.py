@@ -19,12 +19,14 @@ from wheelset_track_sim.wheelset.vehicle import Vehicle, load_vehicle
 
 
 @pytest.mark.parametrize("name", shipped.names("scenarios"))
+@pytest.mark.slow
 def test_shipped_scenarios_load_and_come_back_from_their_own_text(name: str) -> None:
     scenario = load_scenario(name)
     assert scenario.name == name
     assert scenario_from(parse(scenario.to_yaml(), name)) == scenario
 
 
+@pytest.mark.slow
 def test_the_papers_load_cases_are_shipped() -> None:
     on = {name: sorted(item.on for item in load_scenario(name).irregularities) for name in shipped.names("scenarios")}
     assert on["undamaged"] == []
@@ -146,7 +148,7 @@ def test_shipped_models_are_names_in_text_and_others_their_content() -> None:
             assert load_scenario("undamaged", [f"{kind[:-1]}={name}", NODES[name]]).to_mapping()[kind[:-1]] == name
 
 
-NODES = dict.fromkeys(["trailer", "trailer_calculix"], "output.stress_nodes=[A1]")
+NODES = dict.fromkeys(["trailer", "trailer_calculix", "freight", "metro"], "output.stress_nodes=[A1]")
 NODES |= dict.fromkeys(["slab_60e1", "ballasted_54e1", "ballasted_60e1", "x40"], "speed=30")
 
 

@@ -68,6 +68,7 @@ def test_load_on_load_off_again_and_all_at_once(models):
     assert end[-4800:].mean() == pytest.approx(LOAD / 2, rel=1e-3)  # over eight sleeper bays
 
 
+@pytest.mark.slow
 def test_any_chunk_length_gives_the_same_bits(models):
     def run(chunk):
         simulator = Simulator(load_scenario("undamaged", ["acceleration=10"]), models=models)

@@ -82,6 +82,7 @@ BOTH_WHEELS = Breakout("wheel_1", **SMALL), Breakout("wheel_2", 0.005, 0.004, 0.
         pytest.param(OVERLAPPING + BOTH_WHEELS[1:], marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.slow
 def test_overlapping_defects_and_defects_of_both_wheels_come_as_the_solver_has_them(
     smooth: Simulator, defects: tuple[Breakout, ...]
 ) -> None:

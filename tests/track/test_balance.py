@@ -32,6 +32,7 @@ def test_gramian_is_the_mean_energy_of_impulse_responses() -> None:
 
 @pytest.mark.parametrize("speed", [6.0, 27.8, 80.0])
 @pytest.mark.parametrize("start", [0, 60])
+@pytest.mark.slow
 def test_moving_response_is_that_of_the_ring(ring, reduced, speed: float, start: int) -> None:
     half = ring.symmetric
     modes = reduced.modes(speed)

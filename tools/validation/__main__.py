@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-from . import contacts, impact, load_cases, ripple, steps, tracks, wheelset_checks, wheelsets
+from . import contacts, hardness, impact, load_cases, ripple, steps, tracks, wheelset_checks, wheelsets
 from .load_cases import printed
 from .page import number, paragraphs, percent, table
 from .store import ROOT
@@ -33,6 +33,7 @@ def main() -> int:
         wheelsets.section(),
         tracks.section(),
         steps.section(),
+        hardness.section(),
     ]
     PAGE.write_text(paragraphs(*_first(cases, causal, paper), *sections) + "\n", encoding="utf-8")
     print(f"{PAGE.relative_to(ROOT)} is written")

@@ -402,6 +402,7 @@ def _add_stress(commands: _Commands) -> None:
     stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
     stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
     stress.add_argument("--speed", type=float, metavar="V", help="m/s, for forces over the position and for bags")
+    stress.add_argument("--own-weight", action="store_true", help="add the stress of the wheelset's own weight")
     stress.add_argument("--out", type=Path, metavar="FILE", help="write stresses as .csv, or all as .mcap")
     _takes_json(stress)
     stress.set_defaults(command=_stress)
@@ -418,6 +419,7 @@ def _stress(options: argparse.Namespace) -> int:
         options.speed,
         options.out,
         _reading(options),
+        own_weight=options.own_weight,
         json=options.json,
         warnings=options.warnings,
     )

@@ -17,7 +17,8 @@ from ..live.run_messages import record
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import Summary, combine, summarise
-from ..scenario import WHEELS, load_scenario
+from ..scenario import WHEELS, Scenario, load_scenario
+from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
 from .console import print_object, terminal
 from .progress import shown
@@ -61,16 +62,18 @@ def run(
         chunk = CHUNK if push else LONG_CHUNK
         started = time.perf_counter()
         totals: Summary | None = None
+        contacts = Contacts()
         while (left := steps_left(simulator, duration)) > 0:
             block = simulator.advance(min(chunk, left))
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
+            contacts.push(simulator, block)
             if push is not None:
                 push(block, part)
             progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
         wall = time.perf_counter() - started
     assert totals is not None
-    result = as_mapping(totals, simulator.time, wall)
+    result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
     result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings]}
     print_object(result) if json else terminal().print(table(result))
     return 0
@@ -108,6 +111,22 @@ def peaks(of: Summary) -> dict[str, Any]:
     }
 
 
+def pressures(scenario: Scenario, contacts: Contacts) -> dict[str, Any]:
+    """Contact pressure at the largest force of each wheel; of smooth wheels on smooth rails none is worked out."""
+    if not scenario.irregularities:
+        return {}
+    found: dict[str, Any] = {}
+    for wheel, instant in zip(WHEELS, contacts.worst, strict=True):
+        patch = instant.contact.solve()
+        found[wheel] = {
+            "largest_Pa": float(patch.pressure.max()),
+            "hardness_Pa": patch.hardness,
+            "share_at_hardness": patch.share_at_hardness,
+            "flag": patch.flag,
+        }
+    return found
+
+
 def table(result: dict[str, Any]) -> Table:
     """The same for people: kN, MPa, ms."""
     shown_as = Table(
@@ -121,4 +140,8 @@ def table(result: dict[str, Any]) -> Table:
     for name, node in result["nodes"].items():
         high, low = node["max_principal_Pa"] / 1e6, node["min_principal_Pa"] / 1e6
         shown_as.add_row(f"maximum principal stress {name}", f"{high:.1f} MPa", f"{low:.1f} MPa", "")
+    for name, pressure in result["pressures"].items():
+        shown_as.add_row(f"contact pressure {name}", f"{pressure['largest_Pa'] / 1e9:.2f} GPa", "", "")
+    flags = [f"{name}: {each['flag']}" for name, each in result["pressures"].items() if each["flag"]]
+    shown_as.caption = "at the largest force, " + "; ".join(flags) if flags else None
     return shown_as

@@ -109,22 +109,30 @@ def build_contact_law(
     rail_steps: int = 1,
     dy: float = ELEMENT_WIDTH,
     largest_force: float = 600e3,
+    hardness: float = np.inf,
     tables: bool | Literal["smooth"] = True,
     progress: Progress | None = None,
 ) -> ContactLaw:
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
 
     ``irregularities`` are those of treads and of rails, which repeat after ``rail_steps`` steps.
-    The area holds every contact up to ``largest_force``, N. ``tables`` says whether the force-approach curves up to
-    ``TABLE_FORCE`` are worked out beforehand, for every position on treads and rails at which an irregularity can bear;
-    without them, above that force, where tread and rail both have an irregularity, and where one is rough, the active
-    set is solved in every step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect
-    that is the fastest.
+    The area holds every contact up to ``largest_force``, N. No pressure is above ``hardness``, Pa.
+    ``tables`` says whether the force-approach curves up to ``TABLE_FORCE`` are worked out beforehand, for every
+    position on treads and rails at which an irregularity can bear. Without them, above that force, where an element
+    yields, where tread and rail both have an irregularity, and where one is rough, the active set is solved in every
+    step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     surfaces = rolling_surfaces(tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force)
     return law_of_surfaces(
-        surfaces, geometry, dx, dy=dy, table_force=min(largest_force, TABLE_FORCE), tables=tables, progress=progress
+        surfaces,
+        geometry,
+        dx,
+        dy=dy,
+        table_force=min(largest_force, TABLE_FORCE),
+        hardness=hardness,
+        tables=tables,
+        progress=progress,
     )
 
 
@@ -135,6 +143,7 @@ def law_of_surfaces(
     *,
     dy: float = ELEMENT_WIDTH,
     table_force: float = TABLE_FORCE,
+    hardness: float = np.inf,
     tables: bool | Literal["smooth"] = True,
     progress: Progress | None = None,
 ) -> ContactLaw:
@@ -160,7 +169,7 @@ def law_of_surfaces(
         if tables == "smooth":
             gaps = gaps[:smooth]
             table, rail_table = (np.where(each >= smooth, np.int32(-1), each) for each in (table, rail_table))
-        stored = force_tables(gaps, influence, dx * dy, table_force, progress)
+        stored = force_tables(gaps, influence, dx * dy, table_force, hardness, progress)
         first, points = stored.first, stored.points
     return ContactLaw(
         tread=tread,
@@ -173,6 +182,7 @@ def law_of_surfaces(
         separation=separation,
         influence=influence,
         element_area=dx * dy,
+        hardness=float(hardness),
         table=table,
         smooth_tables=smooth,
         rail_table=rail_table,

@@ -14,6 +14,10 @@ Three methods are tried in this order:
 2. The nested solver (``ordered.nested_kernels``), without a table, where surfaces are rough but nearly smooth.
 3. The plain active set (``active_set_kernels``), for all other contacts.
 
+With a hardness, f is the curve of a contact whose pressures are bounded by it. Tables end where the first element
+yields. A solution of one of the other two methods holds if no pressure in it is above the hardness; else
+``yielding_kernels`` goes on from it.
+
 Indices. Wheel 0 is wheel 1 and wheel 1 is wheel 2. ``tread_index`` and ``rail_index`` are the positions of tread and
 rail at the middle of the area, in steps. They rise with time, may have any size, and are taken modulo the lengths of
 treads and rails. An element ahead in x meets tread and rail at a higher index.
@@ -28,9 +32,10 @@ from numpy.typing import NDArray
 
 from ..runtime.arrays import Real
 from ..runtime.jit import inner_kernel, kernel
-from .active_set_kernels import solve_active_set
+from .active_set_kernels import CONVERGED, solve_active_set
 from .ordered.nested_kernels import solve_in_order
 from .ordered.order_kernels import FAR, NestedContacts, gaps_in_order
+from .yielding_kernels import exceeds, solve_yielding
 
 
 class ContactLaw(NamedTuple):
@@ -56,6 +61,8 @@ class ContactLaw(NamedTuple):
     """Influence coefficients by element offset, (nx, ny), m/Pa."""
     element_area: float
     """dx dy, m^2."""
+    hardness: float
+    """Largest pressure, Pa; infinite for an elastic contact."""
     table: NDArray[np.int32]
     """Force table of each tread position on a smooth rail, (2, n_c); -1 to solve."""
     smooth_tables: int
@@ -148,7 +155,7 @@ def solve_contact(
     in_contact: NDArray[np.bool_],
     pressure: Real,
 ) -> tuple[float, float, int]:
-    """Solve the contact of a wheel at a position of tread and rail.
+    """Solve the elastic contact of a wheel at a position of tread and rail.
 
     The nested solver is tried first: it takes a twentieth of the time of the plain active set.
 
@@ -180,6 +187,32 @@ def solve_contact(
     mirrored = law.tread_mirrored[wheel, tread_index % law.tread.shape[1]] and law.rail_mirrored[wheel]
     gap = total_separation(law, wheel, tread_index, rail_index)
     return solve_active_set(gap, mirrored, law.influence, law.element_area, approach, compliance, in_contact, pressure)
+
+
+@kernel
+def solve_bounded(
+    law: ContactLaw,
+    wheel: int,
+    tread_index: int,
+    rail_index: int,
+    approach: float,
+    compliance: float,
+    in_contact: NDArray[np.bool_],
+    pressure: Real,
+) -> tuple[float, float, int]:
+    """Solve a contact with pressures up to the hardness; parameters and returns are those of ``solve_contact``.
+
+    A function of its own: the elastic contact is compiled, to the last bit, as if there were none with a hardness.
+    """
+    p = pressure if pressure.size else np.empty(in_contact.shape)
+    force, stiffness, status = solve_contact(law, wheel, tread_index, rail_index, approach, compliance, in_contact, p)
+    if status != CONVERGED or not exceeds(p, law.hardness):
+        return force, stiffness, status
+    mirrored = law.tread_mirrored[wheel, tread_index % law.tread.shape[1]] and law.rail_mirrored[wheel]
+    gap = total_separation(law, wheel, tread_index, rail_index)
+    return solve_yielding(
+        gap, mirrored, law.influence, law.element_area, approach, compliance, law.hardness, in_contact, p
+    )
 
 
 @inner_kernel
@@ -231,9 +264,10 @@ def solved_force(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> float:
     """Solve for ``contact_force``, with the last solution in ``law.in_contact`` as the first guess."""
-    return solve_contact(
-        law, wheel, tread_index, rail_index, approach, compliance, law.in_contact[wheel], np.empty((0, 0))
-    )[0]
+    in_contact, none = law.in_contact[wheel], np.empty((0, 0))
+    if law.hardness < np.inf:
+        return solve_bounded(law, wheel, tread_index, rail_index, approach, compliance, in_contact, none)[0]
+    return solve_contact(law, wheel, tread_index, rail_index, approach, compliance, in_contact, none)[0]
 
 
 @kernel

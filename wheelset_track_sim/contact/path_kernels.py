@@ -197,6 +197,7 @@ def follow_path(
     influence: Real,
     element_area: float,
     largest_force: float,
+    largest_pressure: float,
 ) -> Real:
     """Follow the contact of one geometry from first touch.
 
@@ -210,14 +211,14 @@ def follow_path(
         Elements of the area, (nx, ny).
     mirrored, influence, element_area
         As in ``active_set_kernels.solve_active_set``.
-    largest_force
-        Force at which the path ends, N.
+    largest_force, largest_pressure
+        Force, N, and pressure of an element, Pa, at which the path ends.
 
     Returns
     -------
     points
         Kinks, (points, 2): approach, m, and force, N, both rising. The first is first touch; the last is at
-        ``largest_force``, or earlier where the contact reaches the border of the area.
+        ``largest_force`` or ``largest_pressure``, or earlier where the contact reaches the border of the area.
     """
     nx, ny = shape
     centre = ny // 2
@@ -272,6 +273,9 @@ def follow_path(
         for b in range(n):
             slope += element_area * weight[S.chosen[b]] * S.q[b]
         end = approach + (largest_force - force) / slope
+        for b in range(n):
+            if S.q[b] > 0.0:
+                end = min(end, approach + (largest_pressure - S.p[b]) / S.q[b])
         following, entering, leaving = next_kink(S, n, gap, approach, end)
         advance = max(following - approach, 0.0)
         for b in range(n):

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import scipy
 
 from ..errors import ContactError, InputError
 from ..irregularities.surface import WHEELS
 from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
-from .law_kernels import ContactLaw, contact_force, solve_contact, total_separation
+from .hardness import flag, share_from, stated
+from .law_kernels import ContactLaw, contact_force, solve_bounded, solve_contact, total_separation
 
 REASONS = {
     NOT_CONVERGED: "the active set does not settle",
@@ -38,6 +41,23 @@ class ContactPatch:
     """Longitudinal positions of the elements, (nx,), m, ahead positive."""
     y: Real
     """Lateral positions of the elements, from the middle of the rail's head, (ny,), m, to the left positive."""
+    bound: float = np.inf
+    """Largest pressure that the contact law admits, Pa; infinite for an elastic contact."""
+
+    @property
+    def hardness(self) -> float:
+        """What pressures are compared with, Pa: the bound, or the hardness of steel."""
+        return stated(self.bound)
+
+    @property
+    def share_at_hardness(self) -> float:
+        """Share of the force on elements at that hardness or above."""
+        return share_from(self.pressure, self.hardness)
+
+    @property
+    def flag(self) -> str:
+        """The same in words; empty if the share is zero."""
+        return flag(self.pressure, self.bound)
 
 
 def solve_patch(
@@ -49,7 +69,7 @@ def solve_patch(
     """
     pressure = np.empty(law.separation.shape[1:])
     guess = np.zeros(law.separation.shape[1:], np.bool_)
-    force, stiffness, status = solve_contact(
+    force, stiffness, status = _solving(law)(
         law, wheel, tread_index, rail_index, float(approach), float(compliance), guess, pressure
     )
     if status != CONVERGED:
@@ -57,21 +77,26 @@ def solve_patch(
             f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index}, approach {approach:g} m, "
             f"compliance {compliance:g} m/N: {REASONS.get(status, 'the inputs are not finite')}"
         )
-    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel])
+    return ContactPatch(force, stiffness, float(approach), pressure, law.x, law.y[wheel], law.hardness)
 
 
 NEAR = 1e-9
 """Share of a force within which an approach bears it."""
 
-_SOLVER: list[Address] = []
+_SOLVERS: dict[Any, Address] = {}
 
 
 def solver(law: ContactLaw) -> Address:
-    """``solve_contact`` for the coupled step; compiled when that is called, which takes half a minute, once."""
-    if not _SOLVER:  # to the compiler, all laws are of one type
+    """What solves a law in the coupled step; compiled when that is called, which takes half a minute, once."""
+    solving = _solving(law)
+    if solving not in _SOLVERS:  # to the compiler, all laws are of one type
         call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
-        _SOLVER.append(Address(solve_contact, (0.0, 0.0, 0), call))
-    return _SOLVER[0]
+        _SOLVERS[solving] = Address(solving, (0.0, 0.0, 0), call)
+    return _SOLVERS[solving]
+
+
+def _solving(law: ContactLaw) -> Any:
+    return solve_bounded if law.hardness < np.inf else solve_contact
 
 
 def force_at(
@@ -105,6 +130,16 @@ def approach_for_force(
     touch = float(np.min(total_separation(law, wheel, tread_index, rail_index)))
     if force == 0.0:
         return touch
+    approach = _elastic_approach(law._replace(hardness=np.inf), wheel, tread_index, rail_index, force, touch)
+    if law.hardness < np.inf:
+        approach = _yielding_approach(law, wheel, tread_index, rail_index, force, touch, approach)
+    return approach + compliance * force
+
+
+def _elastic_approach(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, force: float, touch: float
+) -> float:
+    """``approach_for_force`` of an elastic contact without a table; ``touch`` is the approach of first touch, m."""
     approach = touch + 1e-6
     low, high = touch, np.inf
     nearest, error = approach, np.inf
@@ -128,10 +163,37 @@ def approach_for_force(
         if force > 2.0 * patch.force:
             step = 1.5 * ((force / patch.force) ** (2 / 3) - 1.0) * patch.force / patch.stiffness
         if abs(step) <= 2 * np.spacing(max(abs(approach), abs(touch), approach - touch)):  # it may be next to zero
-            return approach + compliance * force
+            return approach
         approach = approach + step if approach + step < high else 0.5 * (approach + high)
     if error <= NEAR * force:  # rounding keeps the last step above the bound
-        return nearest + compliance * force
-    raise ContactError(
+        return nearest
+    raise _not_borne(wheel, tread_index, rail_index, force)
+
+
+def _yielding_approach(
+    law: ContactLaw, wheel: int, tread_index: int, rail_index: int, force: float, touch: float, elastic: float
+) -> float:
+    """``approach_for_force`` of a contact that may yield: no less than that of the ``elastic`` one, m.
+
+    The force rises with the approach, in straight pieces, but is not convex: Brent's method.
+    """
+
+    def lacking(approach: float) -> float:
+        return solve_patch(law, wheel, tread_index, rail_index, approach).force - force
+
+    patch = solve_patch(law, wheel, tread_index, rail_index, elastic)
+    if patch.pressure.max() < law.hardness:
+        return elastic
+    low, high = elastic, touch + 1.5 * (elastic - touch)
+    try:
+        while lacking(high) < 0.0:
+            low, high = high, touch + 1.5 * (high - touch)
+    except ContactError:
+        raise _not_borne(wheel, tread_index, rail_index, force) from None
+    return float(scipy.optimize.brentq(lacking, low, high, xtol=1e-3 * NEAR * (high - touch), rtol=1e-15))
+
+
+def _not_borne(wheel: int, tread_index: int, rail_index: int, force: float) -> ContactError:
+    return ContactError(
         f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"
     )

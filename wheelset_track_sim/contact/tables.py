@@ -51,11 +51,12 @@ def force_path(
     influence: Real,
     element_area: float,
     largest_force: float,
+    largest_pressure: float = np.inf,
 ) -> Real:
     """Kinks of the force-approach curve, (points, 2): approach, m, and force, N, rising from first touch.
 
-    The last point is at ``largest_force``, or where the contact reaches the border of the area (nx, ny) of
-    ``separation``, m. Arguments as in ``solve_active_set``.
+    The last point is at ``largest_force``, where an element has ``largest_pressure``, Pa, or where the contact reaches
+    the border of the area (nx, ny) of ``separation``, m. Arguments as in ``solve_active_set``.
     """
     ny = separation.shape[1]
     first = ny // 2 if mirrored else 0
@@ -64,7 +65,15 @@ def force_path(
     order = order[np.isfinite(flat[order])]
     at_i, at_j = np.divmod(order, ny - first)
     return follow_path(
-        at_i, at_j + first, flat[order], separation.shape, mirrored, influence, element_area, largest_force
+        at_i,
+        at_j + first,
+        flat[order],
+        separation.shape,
+        mirrored,
+        influence,
+        element_area,
+        largest_force,
+        largest_pressure,
     )
 
 
@@ -75,15 +84,15 @@ class _Recent:
         self._most = most
         self._curves: dict[bytes, Real] = {}
 
-    def curve(self, separation: Real, influence: Real, element_area: float, largest_force: float) -> Real:
-        contents = hashlib.blake2b(repr((separation.shape, element_area, largest_force)).encode(), digest_size=16)
+    def curve(self, separation: Real, influence: Real, element_area: float, *largest: float) -> Real:
+        contents = hashlib.blake2b(repr((separation.shape, element_area, *largest)).encode(), digest_size=16)
         for array in (separation, influence):
             contents.update(np.ascontiguousarray(array).tobytes())
         key = contents.digest()
         found = self._curves.pop(key, None)
         if found is None:
             mirrored = bool((separation == separation[:, ::-1]).all())
-            found = force_path(separation, mirrored, influence, element_area, largest_force)
+            found = force_path(separation, mirrored, influence, element_area, *largest)
         self._curves[key] = found  # at the end: the latest
         while len(self._curves) > self._most:
             self._curves.pop(next(iter(self._curves)), None)
@@ -98,13 +107,16 @@ def force_tables(
     influence: Real,
     element_area: float,
     largest_force: float,
+    largest_pressure: float = np.inf,
     progress: Progress | None = None,
 ) -> ForceTables:
-    """Curves up to ``largest_force``, N, of separations (nx, ny), m, from the model cache if they are there.
+    """Curves of separations (nx, ny), m, from the model cache if they are there.
+
+    They end at ``largest_force``, N, or where the first element has ``largest_pressure``, Pa.
 
     Raises ContactError for a curve that is not finite.
     """
-    inputs = gaps, influence, element_area, largest_force
+    inputs = gaps, influence, element_area, largest_force, largest_pressure
     tables = cached("force-tables", ForceTables, _tables, *inputs, progress=progress, most=STORED)
     if len(tables.first) != len(gaps) + 1:
         raise ContactError(f"{len(tables.first) - 1} force tables are stored for {len(gaps)} geometries")
@@ -112,11 +124,16 @@ def force_tables(
 
 
 def _tables(
-    gaps: list[Real], influence: Real, element_area: float, largest_force: float, progress: Progress | None
+    gaps: list[Real],
+    influence: Real,
+    element_area: float,
+    largest_force: float,
+    largest_pressure: float,
+    progress: Progress | None,
 ) -> ForceTables:
     curves = []
     for number, gap in enumerate(gaps):
-        curves.append(_RECENT.curve(gap, influence, element_area, largest_force))
+        curves.append(_RECENT.curve(gap, influence, element_area, largest_force, largest_pressure))
         if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
             raise ContactError(f"force table {number} of {len(gaps)} is not finite and rising")
         if progress is not None:

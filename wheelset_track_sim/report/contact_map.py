@@ -36,6 +36,8 @@ class ContactMap:
     """How far ahead the centre is, m, and the defect; those that reach into the picture."""
     rolling_circle: float = 0.0
     """Where the rolling circle, from which defects count, is over the rail, m."""
+    bound: float = math.inf
+    """Largest pressure that the contact admits, Pa; infinite for an elastic one."""
 
 
 def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> ContactMap:
@@ -46,7 +48,10 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
     """
     dx, around = scenario.step_length, scenario.steps_per_revolution
     geometry, shapes = scenario.geometry, scenario.irregularities
-    law = build_contact_law(shapes, geometry, dx, around, rail_steps=scenario.line_steps, tables=False)
+    hardness = scenario.contact.largest_pressure
+    law = build_contact_law(
+        shapes, geometry, dx, around, rail_steps=scenario.line_steps, hardness=hardness, tables=False
+    )
     tread_step = step - scenario.tread_origin
     patch = solve_patch(law, wheel, tread_step, step, approach_for_force(law, wheel, tread_step, step, force))
     part_x, part_y = (_shown(patch.pressure.max(axis=axis) > 0) for axis in (1, 0))
@@ -61,7 +66,8 @@ def contact_map(scenario: Scenario, wheel: int, step: int, force: float) -> Cont
         float((patch.pressure.max(axis=axis) > 0).sum() * (line[1] - line[0])) for axis, line in ((1, x), (0, y))
     )
     circle = geometry.rolling_circle(wheel)
-    return ContactMap(patch.force, patch.pressure[part_x, part_y], x, y, (size[0], size[1]), tuple(defects), circle)
+    shown, extent = patch.pressure[part_x, part_y], (size[0], size[1])
+    return ContactMap(patch.force, shown, x, y, extent, tuple(defects), circle, patch.bound)
 
 
 def _shown(touched: NDArray[np.bool_]) -> slice:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from html import escape
 
+from ..contact.hardness import flag
 from ..samples.impacts import Impact
 from .contact_map import ContactMap
 from .files import PAPER
@@ -113,11 +114,15 @@ def pressure(run: Survey, contact: ContactMap, plot: str) -> str:
     peak = run.peak
     x, y = (1e3 * length for length in contact.size)
     rim = " Dashed: rim of the defect." if contact.defects else ""
+    flagged = flag(contact.pressure, contact.bound)
+    beyond = f" <strong>{flagged[0].upper()}{flagged[1:]}.</strong>" if flagged else ""
+    law = "Linear elastic" if contact.bound == math.inf else "Elastic, perfectly plastic"
     return (
         f"<h2>Contact pressure at the {'worst impact' if run.impacts else 'largest force'}</h2>"
         f"<p>Wheel {peak.wheel + 1} at {peak.time:.4f} s, {peak.position:.3f} m: {contact.force / 1e3:.1f} kN, peak "
-        f"pressure {contact.pressure.max() / 1e6:.0f} MPa, contact {x:.0f} mm long and {y:.1f} mm wide.</p>{plot}"
-        f'<p class="quiet">Linear elastic, solved for the recorded force with the treads in force.{rim}</p>'
+        f"pressure {contact.pressure.max() / 1e6:.0f} MPa, contact {x:.0f} mm long and {y:.1f} mm wide.{beyond}</p>"
+        f"{plot}"
+        f'<p class="quiet">{law}, solved for the recorded force with the treads in force.{rim}</p>'
     )
 
 

@@ -30,6 +30,7 @@ from .outputs import Outputs
 from .parameters import Parameters
 from .run import NodeRun
 from .services import Services
+from .turns import in_turns
 
 NAME = "wheelset_track_sim"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
@@ -80,6 +81,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self.recorder.figures))
         Services(self)
         answer_always(self)
+        self._turns = in_turns(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
     @property
@@ -129,6 +131,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def close(self) -> None:
         """End the run from outside of all callbacks: stop, close the bag."""
         self.interrupt()
+        for turns in self._turns:
+            turns.close()
         with self._transition:  # models that are being built notice
             pass
         with suppress(Exception):  # a state without a way to shut down

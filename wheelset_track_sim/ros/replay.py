@@ -29,7 +29,7 @@ from .acknowledged import wait_for_subscribers
 from .answers import answer_always
 from .clock import TOPIC as CLOCK
 from .clock import NodeClock
-from .hosting import Ending, next_ending, own_arguments, session, spinning
+from .hosting import Ending, next_ending, own_arguments, refusing, session, spinning
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
 
@@ -207,7 +207,8 @@ def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
     if own:
         raise InputError(f"{own[0]} is not an argument of the replay: see wheelset-track-sim replay --help")
     with session(arguments) as endings, ExitStack() as stack:
-        node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
+        with refusing():
+            node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
         stack.callback(node.destroy_node)
         executor = SingleThreadedExecutor()
         stack.callback(executor.shutdown)

@@ -23,6 +23,7 @@ from .answers import Answer, served
 from .conversions import header
 from .parameters import Parameters
 from .run import NodeRun
+from .turns import REQUESTS
 
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
@@ -70,17 +71,18 @@ class Services:
     """Servers and subscriptions of one node; each answers, whatever happens.
 
     Changes have a callback group, recordings and transitions have one, and the contact pressure has one: none waits for
-    another, and within each the order of arrival counts.
+    another, and within each requests are answered in the order of arrival (``turns``). Of each command topic the newest
+    message counts.
     """
 
     def __init__(self, node: Controlled) -> None:
         """For ``node``, as long as it lives."""
         self._node, log = node, node.get_logger()
-        changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+        switching, asking, commanding = (MutuallyExclusiveCallbackGroup() for _ in range(3))
         for kind, name, answer, group in (
-            (SetTreadDamage, "set_tread_damage", self._set_tread_damage, changing),
-            (SetIrregularities, "set_irregularities", self._set_irregularities, changing),
-            (SetSpeed, "set_speed", self._set_speed, changing),
+            (SetTreadDamage, "set_tread_damage", self._set_tread_damage, node.changing),
+            (SetIrregularities, "set_irregularities", self._set_irregularities, node.changing),
+            (SetSpeed, "set_speed", self._set_speed, node.changing),
             (StartRecording, "start_recording", self._start_recording, switching),
             (Trigger, "stop_recording", self._stop_recording, switching),
             (Trigger, "split_recording", self._split_recording, switching),
@@ -90,7 +92,8 @@ class Services:
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
             (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
         ):
-            node.create_service(kind, f"~/{name}", partial(served, log, answer), callback_group=group)
+            answered = partial(served, log, answer)
+            node.create_service(kind, f"~/{name}", answered, qos_profile=REQUESTS, callback_group=group)
         for message, name, take in (
             (Float64, "speed", lambda message: node.revisions.speed(message.data)),
             (Float64, "torque", lambda message: node.revisions.torque(message.data)),
@@ -99,7 +102,7 @@ class Services:
         ):
             topic = f"~/cmd/{name}"
             node.create_subscription(
-                message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=changing
+                message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=commanding
             )
 
     def _taken(self, topic: str, take: Callable[[Any], Revision], message: Any) -> None:
@@ -170,6 +173,8 @@ class Services:
             raise InputError("there is no step yet: activate the node first")
         instant = kept[request.at][request.wheel - 1]
         patch = instant.contact.solve()
+        if patch.flag:
+            self._node.get_logger().warning(f"wheel_{request.wheel} at step {instant.contact.step}: {patch.flag}")
         rows, columns = patch.pressure.shape
         return {
             "header": header(instant.time, run.start_ns),

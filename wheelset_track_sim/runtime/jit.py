@@ -21,6 +21,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numba.experimental.function_type  # numba itself imports it too late for ``Address``
 import platformdirs
+from numba.core.caching import FunctionCache
 
 config: Any = numba.config
 typeof: Any = numba.typeof
@@ -51,6 +52,24 @@ def cache_folder() -> Path:
     return folder
 
 
+@cache
+def trusted_folder() -> Path | None:
+    """``cache_folder``, made for its owner alone; None, with a warning, if others can write to it or own it.
+
+    Compiled kernels are machine code, and numba reads them with pickle: they are used as if they were part of the
+    package. A folder that cannot be made is left to numba, which names the reason.
+    """
+    folder = cache_folder()
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if hasattr(os, "geteuid"):
+            status = folder.stat()
+            if status.st_uid not in (os.geteuid(), 0) or status.st_mode & 0o022:
+                log.warning("compiled kernels in %s are not used, since others can write there: remove it", folder)
+                return None
+    return folder
+
+
 def mark_compiled() -> None:
     """Record that the kernels of a run are compiled."""
     (cache_folder() / DONE).touch()
@@ -64,7 +83,8 @@ def compiled_meanwhile(module: str) -> Iterator[None]:
     body both hold the interpreter lock. With one core, or if the process fails, kernels are compiled when called.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if cores < 2 or (cache_folder() / DONE).exists():
+    folder = trusted_folder()
+    if cores < 2 or folder is None or (folder / DONE).exists():
         yield
         return
     process = subprocess.Popen(
@@ -125,10 +145,35 @@ class Address:
         return self._signature
 
 
+class _KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """numba's cache of one kernel: what cannot be read, as after a power loss, or written, is reported and left."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Compiled kernel for a signature; None if there is none that can be read."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception as damage:  # noqa: BLE001  any damage whatever ends in a compilation
+            log.warning("compiled kernel in %s cannot be read (%r): compiled again", self.cache_path, damage)
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Store a compiled kernel."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as reason:
+            log.warning("compiled kernel is not stored: %s cannot be written (%s)", self.cache_path, reason.strerror)
+
+
 def _compiled(function: Function, **options: Any) -> Function:
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_folder())
-    try:
-        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
-    finally:
-        config.CACHE_DIR = previous
+    compiled = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    folder = trusted_folder()
+    if folder is not None:
+        previous = config.CACHE_DIR
+        config.CACHE_DIR = str(folder)
+        try:
+            compiled._cache = _KernelCache(function)
+        finally:
+            config.CACHE_DIR = previous
+    return cast(Function, compiled)

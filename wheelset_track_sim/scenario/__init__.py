@@ -1,5 +1,6 @@
 """What is simulated: read whole, typed and checked when it is loaded."""
 
+from .contact import ContactOptions
 from .loading import assign, load_scenario, override, scenario_from, take_in
 from .loads import Loads
 from .profiles import Profiles
@@ -7,6 +8,7 @@ from .scenario import WHEELS, Output, Scenario, SetPoint
 
 __all__ = [
     "WHEELS",
+    "ContactOptions",
     "Loads",
     "Output",
     "Profiles",

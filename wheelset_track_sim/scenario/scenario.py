@@ -24,6 +24,7 @@ from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, primary_suspension, read_wheelset
 from ..wheelset.vehicle import Vehicle, plain_vehicle, read_vehicle
+from .contact import ContactOptions
 from .loads import Loads
 from .profiles import Profiles
 
@@ -109,6 +110,8 @@ class Scenario:
         "m", -0.020, 0.020, "the distance of the wheelset from the middle of the track, to the left", default=0.0
     )
     """Constant during a run, as in the paper (Section 2.3)."""
+    contact: ContactOptions = field(default_factory=ContactOptions)
+    """Linear elastic by default."""
     output: Output = field(default_factory=Output)
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
@@ -152,6 +155,7 @@ class Scenario:
         self._check_speeds()
         self._check_vehicle()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
+        self.loads.check_weight(self.wheelset, self.axle_load)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -52,6 +53,8 @@ class Models:
     vehicle: Vehicle | None = None
     tables: bool | Literal["smooth"] = True
     """Which contacts have tables, as for ``build_contact_law``."""
+    hardness: float = math.inf
+    """Largest contact pressure, Pa."""
     _smooth: ContactLaw | None = field(default=None, repr=False)
 
     def contact_law(
@@ -72,6 +75,7 @@ class Models:
             self.step_length,
             self.steps_per_revolution,
             rail_steps=line_steps(irregularities, line_length, self.step_length),
+            hardness=self.hardness,
             tables=self.tables,
             progress=progress,
         )
@@ -100,7 +104,8 @@ class Models:
             for each in (before, after)
         )
         surfaces = faded(old, new, first, steps, self.tread_origin)
-        return law_of_surfaces(surfaces, self.geometry, self.step_length, tables=False), steps
+        law = law_of_surfaces(surfaces, self.geometry, self.step_length, hardness=self.hardness, tables=False)
+        return law, steps
 
     def digest(self, scenario: Scenario) -> str:
         """Digest of a scenario with the content of its models, and of the program's version."""
@@ -157,4 +162,5 @@ def _models(scenario: Scenario, progress: Progress | None, tables: bool | Litera
         tread_origin=scenario.tread_origin,
         vehicle=scenario.vehicle,
         tables=tables,
+        hardness=scenario.contact.largest_pressure,
     )

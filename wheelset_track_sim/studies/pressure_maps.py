@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.patches import Ellipse
 
+from ..contact.hardness import flag
 from ..errors import InputError
 from ..irregularities import breakouts
 from ..report.figures import new_figure
@@ -89,7 +90,8 @@ class PressureMaps:
         axes.set_aspect("equal")
         instant = f"{run.label}, {MEANING[name.split('.')[1]]}"
         figures = f"{force / 1e3:.1f} kN, peak {pressure.max() / 1e9:.2f} GPa, at {behind:.0f} mm"
-        axes.set_title(f"{instant}\n{figures}", fontsize=9, loc="left")
+        flagged = flag(pressure, run.scenario.contact.largest_pressure)
+        axes.set_title("\n".join(filter(None, (instant, figures, flagged))), fontsize=9, loc="left")
         return mesh
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import InputError
 from ..inputs.schema import Quantity, check, quantity
 from ..runtime.arrays import Real
+from .around import Around, angles_of
 from .reduced import ReducedWheelset
 from .reduction import diagonalised
 from .static_loads import nominal_torsion
@@ -66,6 +67,8 @@ class ImportedNode:
     """(2, 6) Pa/N: by 1 N upwards on wheel 1, and on wheel 2."""
     diameter: float | None = None
     """Of the axle there, m: torque needs it."""
+    own_weight: Numbers = ()
+    """(6,) Pa: by the wheelset's own weight, hung up in its suspension; ``loads.own_weight`` needs it."""
 
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):
@@ -127,6 +130,7 @@ class ImportedWheelset:
             _shape(f"stress_nodes.{node.name}.position", node.position, 3)
             _shape(f"stress_nodes.{node.name}.modal", node.modal, found, 6)
             _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
+            _shape(f"stress_nodes.{node.name}.own_weight", node.own_weight, 6, optional=True)
         self._check_units()
 
     @property
@@ -192,20 +196,29 @@ class ImportedWheelset:
             stress_feedthrough=static - of_modes,
             displacement_residual=np.array(self.static_lift) - compliance if self.static_lift else np.zeros((2, 2)),
             node_names=tuple(node.name for node in self.stress_nodes),
-            node_positions=np.array([node.position for node in self.stress_nodes]).reshape(nodes, 3),
+            node_positions=self._positions,
             mass=self.mass,
             rolling_radius=self.rolling_radius,
         )
 
-    def torsion(self, moments: Mapping[str, float]) -> Real:
-        """Stress (N, 6), Pa, under moments about y, N m, by part: that of plain shafts. Raises InputError."""
+    def torsion(self, moments: Mapping[str, float]) -> Around:
+        """Stress at the nodes under moments about y, N m, by part: that of plain shafts. Raises InputError."""
         diameters = []
         for node in self.stress_nodes:
             if node.diameter is None:
                 raise InputError(f"stress_nodes.{node.name}.diameter is missing: torque needs the axle's there, m")
             diameters.append(node.diameter)
-        positions = np.array([node.position for node in self.stress_nodes]).reshape(-1, 3)
-        return nominal_torsion(positions, diameters, self.places, moments)
+        return nominal_torsion(self._positions[:, 1], diameters, self.places, moments)
+
+    def under_own_weight(self) -> Around:
+        """Stress at the nodes of the own weight, which bends the axle in the vertical plane."""
+        stresses = np.array([node.own_weight for node in self.stress_nodes]).reshape(-1, 6)
+        return Around.vertical_of_points(stresses, angles_of(self._positions))
+
+    @property
+    def _positions(self) -> Real:
+        """(N, 3) of the nodes, m."""
+        return np.array([node.position for node in self.stress_nodes]).reshape(-1, 3)
 
     def _normalised(self) -> tuple[Real, Real, Real, Real, Real]:
         """Natural frequencies (P,) rad/s, norms of the shapes (P, 1), and stresses at the nodes (nodes, 6, ...).

@@ -10,8 +10,8 @@ from ..runtime.arrays import Complex, Real
 from ..runtime.cache import cached
 from ..runtime.progress import Progress, unreported
 from . import stress_points
-from .harmonic_elements import nodal_stress, solid_mass
-from .harmonics import HARMONICS, harmonic
+from .harmonic_elements import nodal_stress
+from .harmonics import HARMONICS, harmonic, total_mass
 from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .section_mesh import SectionMesh
@@ -100,9 +100,7 @@ def build_reduced_wheelset(
         displacement_residual=sum((part.residual for part in parts), np.zeros((2, 2))),
         node_names=tuple(node.name for node in wheelset.stress_nodes),
         node_positions=stress_points.positions(wheelset, wheelset.stress_nodes, y),
-        mass=solid_mass(mesh, wheelset.material)
-        + 2 * wheelset.axle_boxes.mass
-        + sum(item.mass for item in wheelset.masses),
+        mass=total_mass(wheelset, mesh),
         rolling_radius=wheelset.wheel.rolling_radius,
     )
 

@@ -1,0 +1,29 @@
+"""How wheel and rail press on each other: what a scenario says of the contact beside profiles and irregularities."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..errors import InputError
+from ..inputs.schema import Quantity
+
+HARDNESS = Quantity("Pa", 1e9, 2e10, "the hardness of wheel and rail")
+
+
+@dataclass(frozen=True)
+class ContactOptions:
+    """How wheel and rail press on each other. The default is the linear elastic contact of the paper."""
+
+    hardness: float | None = None
+    """Largest pressure that the softer of wheel and rail bears, Pa; None is an elastic contact without a bound."""
+
+    def __post_init__(self) -> None:
+        refusal = None if self.hardness is None else HARDNESS.refusal("contact.hardness", self.hardness)
+        if refusal:
+            raise InputError(refusal)
+
+    @property
+    def largest_pressure(self) -> float:
+        """The hardness, Pa; infinite without one."""
+        return math.inf if self.hardness is None else self.hardness
