@@ -59,7 +59,9 @@ def _expected(models: Models, frequency: float, load: float) -> complex:
     """Force, N, by a unit of height under wheel 1: (1/k_H + H_w + H_r) F = h."""
     track, law = models.track, models.contact_law(())
     places = np.arange(PLACES) * track.spacing / PLACES
-    direct, cross = np.mean([[part[0, 0] for part in bloch.receptance(track, [frequency], x, [x])] for x in places], axis=0)
+    direct, cross = np.mean(
+        [[part[0, 0] for part in bloch.receptance(track, [frequency], x, [x])] for x in places], axis=0
+    )
     k = solve_patch(law, 0, 0, 0, approach_for_force(law, 0, 0, 0, load)).stiffness
     compliance = models.reduced.receptance(np.array([frequency]))[0] + np.array([[direct, cross], [cross, direct]])
     return complex(np.linalg.solve(compliance + np.eye(2) / k, [1.0, 0.0])[0])

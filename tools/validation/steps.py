@@ -36,9 +36,7 @@ def _over_speed() -> str:
     """The same at other speeds: values of the finest step, and how far the coarser ones are from them."""
     rows = []
     for speed in SPEEDS:
-        coarse, usual, fine = (
-            must(passage(CASE, [f"speed={speed}", f"step_length={length}"])) for length in LENGTHS
-        )
+        coarse, usual, fine = (must(passage(CASE, [f"speed={speed}", f"step_length={length}"])) for length in LENGTHS)
         row: list[str | float] = [f"{speed:.3g} m/s"]
         for value in (
             lambda run: run.largest[0],
