@@ -109,12 +109,18 @@ def _rows(wheelset: str) -> list[list[float]]:
     return rows
 
 
+def rows_of(wheelset: str) -> list[list[float]]:
+    """Speed, length, P2 by formula, one mass and causal, least, most, kN, and the last column of the table, %."""
+    found: list[list[float]] = recall("joints", [wheelset, SPEEDS, LENGTHS, PLACES], lambda: _rows(wheelset))
+    return found
+
+
 def section() -> str:
     """Text of the section."""
     k, m, c = recall("fitted-track", BAND, lambda: list(fitted_track()))
     rows = []
     for name in WHEELSETS:
-        for row in recall("joints", [name, SPEEDS, LENGTHS, PLACES], lambda name=name: _rows(name)):
+        for row in rows_of(name):
             kmh, length, formula, exact, mean, low, high, rise = row
             between = f"{number(low, 0)} to {number(high, 0)}"
             rows.append([name, kmh, length, formula, exact, mean, between, rise])
