@@ -88,7 +88,7 @@ def _trusted(low: str, high: str, variants: impact.Found) -> list[list[Any]]:
         [
             "axle stress of a given wheelset",
             f"{number(of_bricks)} %, static",
-            f"an independent model of bricks (5); at A1 in case 2 the variants of section 2 differ by {number(among)} %",
+            f"an independent model of bricks (5); the variants of section 2 differ by {number(among)} % at A1",
         ],
         [
             "axle stress of a wheelset without a drawing",
@@ -109,10 +109,12 @@ def _differences(cases: load_cases.Both, low: str, high: str) -> str:
     ripple, hits = (number(printed(case, "largest", 0), 0) for case in (0, 1))
     return "\n".join(
         [
-            f"* **The ripple at the sleepers**: printed {ripple} kN, ours {number(smooth.largest[0])} kN. With the printed track no wheelset can exceed "
-            f"±{number(at_100['bound'])} kN at 100 km/h. So {ripple} kN does not follow from the printed data (3).",
-            f"* **The impact**: printed {hits} kN, ours {number(hit.largest[0], 0)} kN. It is the same deviation: a wheel that carries the printed ripple when it meets the defect lands as hard as "
-            f"printed (3). The method itself leaves {low} to {high} kN open, by what its band limit cuts off (2).",
+            f"* **The ripple at the sleepers**: printed {ripple} kN, ours {number(smooth.largest[0])} kN. With the "
+            f"printed track no wheelset can exceed ±{number(at_100['bound'])} kN at 100 km/h. So {ripple} kN does not "
+            "follow from the printed data (3).",
+            f"* **The impact**: printed {hits} kN, ours {number(hit.largest[0], 0)} kN. It is the same deviation: a "
+            "wheel that carries the printed ripple when it meets the defect lands as hard as printed (3). The method "
+            f"itself leaves {low} to {high} kN open, by what its band limit cuts off (2).",
             "* **Stresses at C1, and without damage**: within what the geometry leaves open, which is not printed (5).",
         ]
     )

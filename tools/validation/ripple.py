@@ -251,8 +251,9 @@ def _findings(found: Sampled) -> str:
             f"several ways (figure): {number(two.largest[0], 0)} and {number(two.largest[1], 0)} kN with functions of "
             f"the nearest of two places a bay; {number(present.largest[0], 0)} kN with the function of the present "
             f"place for all earlier forces; {number(spikes.largest[0], 0)} kN by spikes; "
-            f"{number(coarse.largest[0], 0)} and {number(coarse.largest[1], 0)} kN with receptances of the sleepers alone, linear between. None of them "
-            "gives forces, stresses and the difference of the wheels at once, and the paper describes none of them.",
+            f"{number(coarse.largest[0], 0)} and {number(coarse.largest[1], 0)} kN with receptances of the sleepers "
+            "alone, linear between. None of them gives forces, stresses and the difference of the wheels at once, and "
+            "the paper describes none of them.",
             "* Coarse sampling comes nearest to the printed numbers at 100 km/h, but is unstable at other speeds. So "
             "it is no explanation either. The cause stays open; the small value stands.",
         ]
