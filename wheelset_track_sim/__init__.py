@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .bags import Recording, read_bag
     from .dynamics.moving_green_functions import moving_green_functions
     from .dynamics.responses import green_function, receptance
-    from .errors import InputError, WheelsetTrackError
+    from .errors import InputError, InputWarning, WheelsetTrackError
     from .live.run_messages import record
     from .samples.block import SampleBlock
     from .scenario import Scenario, load_scenario
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 _PLACES = {
     "Fleet": "simulation.fleet",
     "InputError": "errors",
+    "InputWarning": "errors",
     "Recording": "bags",
     "Resimulation": "twin",
     "SampleBlock": "samples.block",
@@ -73,6 +74,7 @@ _PLACES = {
 __all__ = [
     "Fleet",
     "InputError",
+    "InputWarning",
     "Recording",
     "Resimulation",
     "SampleBlock",

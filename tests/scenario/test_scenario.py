@@ -298,3 +298,12 @@ def test_every_error_is_raised_when_a_scenario_is_loaded(change: str, words: lis
 def test_no_public_field_of_a_scenario_is_untyped() -> None:
     hints = typing.get_type_hints(Scenario) | typing.get_type_hints(Profiles) | typing.get_type_hints(Loads)
     assert not [name for name, hint in hints.items() if "Any" in str(hint)]
+
+
+@pytest.mark.parametrize("change", ["speed = 30", " speed=30", "speed= 30 ", "speed : 30"])
+def test_spaces_around_a_key_and_its_value_do_not_count(change: str) -> None:
+    if "=" in change:
+        assert load_scenario("undamaged", [change]) == load_scenario("undamaged", ["speed=30"])
+    else:
+        with pytest.raises(InputError, match="--set 'speed : 30' is not of the form key=value, such as speed=30"):
+            load_scenario("undamaged", [change])

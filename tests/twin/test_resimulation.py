@@ -196,7 +196,7 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_what_would_have_been(bag: Path) -> None:
-    damage = ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"]
+    damage = ["irregularities=[{type: breakout, on: wheel_1, a: 0.03, b: 0.024, h: 0.001}]"]
     deeper = resimulate(bag, [*damage, "settle_on=smooth"])
     assert not deeper.identical
     assert deeper.force is not None

@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 
+from ..runtime.output_files import file_name
 from ..version import __version__
 from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .mcap.writer import McapWriter
@@ -160,7 +161,7 @@ class BagFiles:
         before = self.current
         if before is not None:
             before.finish()
-        file = BagFile(self._path_of(f"{self.path.name}_{self._begun}.mcap"), begin_ns, records)
+        file = BagFile(self._path_of(f"{file_name(self.path.name)}_{self._begun}.mcap"), begin_ns, records)
         self._end_current()
         self.current, self._begun = file, self._begun + 1
         self._unsynced.add(file.path.parent)

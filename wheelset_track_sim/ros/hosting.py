@@ -115,6 +115,10 @@ def refusing() -> Iterator[None]:
     except _rclpy.RCLError as refusal:
         if "security libraries" in str(refusal):
             raise InputError(NO_SECURITY) from None
+        if "logging" in str(refusal):
+            raise InputError(
+                f"ROS cannot write its log ({_line(refusal)}): set ROS_LOG_DIR or HOME to a folder that can be written"
+            ) from None
         raise InputError(f"ROS does not start: {_line(refusal)}") from None
 
 

@@ -27,6 +27,8 @@ import platformdirs
 from numba.core.caching import FunctionCache
 from numba.core.serialize import dumps
 
+from .cores import cores
+
 config: Any = numba.config
 typeof: Any = numba.typeof
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -88,9 +90,8 @@ def compiled_meanwhile(module: str) -> Iterator[None]:
     ``module`` compiles them when it is executed, and calls ``mark_compiled``. A thread would not do, for compiler and
     body both hold the interpreter lock. With one core, or if the process fails, kernels are compiled when called.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     folder = trusted_folder()
-    if cores < 2 or folder is None or (folder / DONE).exists():
+    if cores() < 2 or folder is None or (folder / DONE).exists():
         yield
         return
     process = subprocess.Popen(

@@ -13,7 +13,7 @@ import numpy as np
 from ..contact.geometry import ContactGeometry
 from ..contact.law import rolling_surfaces
 from ..errors import InputError
-from ..inputs.schema import Quantity, check, parsed, plain, quantity, unknown
+from ..inputs.schema import check, parsed, plain, quantity, unknown
 from ..inputs.yaml12 import dump
 from ..irregularities import Irregularity, line_steps, plain_irregularities, read_irregularities
 from ..irregularities.kinds import check_number
@@ -33,9 +33,6 @@ WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 
 WHEELSET, TRACK = "x40", "ballasted_60e1"
 """Names of the shipped models that a scenario has if it names none."""
-BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
-LINE = Quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat")
-
 PAPER_BAND = 2500.0
 """Band limit of the receptances in ``paper`` dynamics, Hz, if a scenario gives none (Section 3)."""
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
@@ -101,8 +98,8 @@ class Scenario:
     """What stands on the primary suspension; None holds its upper ends. In files like ``track``."""
     irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
-    line_length: float | None = None
-    """Length after which the irregularities of the rails repeat, m; None is 60 m, or as often that as they need."""
+    line_length: float | None = quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat", default=None)
+    """None is 60 m, or as often that as the irregularities of the rails need."""
     loads: Loads = field(default_factory=Loads)
     """What is superposed on the axle's stress beside the contact forces; nothing by default."""
     profiles: Profiles = field(default_factory=Profiles)
@@ -127,8 +124,8 @@ class Scenario:
     ``smooth``: a defect meets the rail for the first time after step 0, as in the paper (Section 5.1), and always in
     ``paper`` dynamics."""
 
-    max_frequency: float | None = None
-    """Band limit, Hz: of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
+    max_frequency: float | None = quantity("Hz", 100.0, 10000.0, "the band limit", default=None)
+    """Of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
     6000 of the wheelset and 5000 of the track)."""
     lag_zero: Literal["default", "residual", "wheel_residual", "printed", "zero", "folded"] = "default"
     """What a force displaces at its own instant; ``docs/validation.md`` compares them.
@@ -145,10 +142,6 @@ class Scenario:
                 raise InputError(f"{name} = {getattr(self, name)!r} is a name, or plain data: give {load}({name})")
         if not self.name:
             raise InputError("name is empty: give the scenario a name")
-        for name, limits in (("max_frequency", BAND), ("line_length", LINE)):
-            refusal = None if getattr(self, name) is None else limits.refusal(name, getattr(self, name))
-            if refusal:
-                raise InputError(refusal)
         known = LAG_ZERO[self.dynamics]
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")

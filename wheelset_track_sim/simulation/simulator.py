@@ -16,6 +16,7 @@ from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario import Scenario
+from ..wheelset.around import Around
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
@@ -309,6 +310,14 @@ class Simulator:
             stresses=stresses.reshape(-1, len(COMPONENTS), len(forces)).transpose(2, 0, 1),
             nodes=scenario.output.stress_nodes,
         )
+
+    @property
+    def constant_stress(self) -> Real:
+        """What is the same all around the axle at all times, of press fits and given stresses, (nodes, 6), Pa."""
+        nodes = len(self.scenario.output.stress_nodes)
+        if self._superposition is None:
+            return np.zeros((nodes, len(COMPONENTS)))
+        return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
 
     def _preload_for(self, scenario: Scenario) -> Real:
         smooth = self._models.contact_law(())

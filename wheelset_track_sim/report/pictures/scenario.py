@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import SubFigure
 
+from ...errors import printable
 from ...runtime.progress import Progress
 from ...scenario import WHEELS, Profiles, Scenario
 from ...scenario.scenario import WHEELSET
@@ -36,7 +37,7 @@ def show_scenario(scenario: Scenario, path: Path, progress: Progress | None = No
 
     Raises InputError for a scenario that cannot be used, as the simulator does, and for a path that cannot be written.
     """
-    return write_rows(path, scenario.name, description(scenario), rows_of(scenario, progress))
+    return write_rows(path, printable(scenario.name), description(scenario), rows_of(scenario, progress))
 
 
 def write_rows(path: Path, title: str, note: str, rows: Sequence[PictureRow]) -> Path:
