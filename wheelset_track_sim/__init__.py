@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .track.track import load_track
     from .twin import Resimulation, resimulate
     from .wheelset.kinds import load_wheelset
+    from .wheelset.vehicle import load_vehicle
 
 _PLACES = {
     "Fleet": "simulation.fleet",
@@ -60,6 +61,7 @@ _PLACES = {
     "load_scenario": "scenario",
     "load_study": "studies",
     "load_track": "track.track",
+    "load_vehicle": "wheelset.vehicle",
     "load_wheelset": "wheelset.kinds",
     "moving_green_functions": "dynamics.moving_green_functions",
     "read_bag": "bags",
@@ -85,6 +87,7 @@ __all__ = [
     "load_scenario",
     "load_study",
     "load_track",
+    "load_vehicle",
     "load_wheelset",
     "moving_green_functions",
     "read_bag",

@@ -25,6 +25,12 @@ GEOMETRIES: tuple[tuple[str, tuple[str, ...]], ...] = (
 )
 
 
+def spread() -> float:
+    """Largest change of a stress of case 2 by what is not known of the geometry, brake discs left aside: a share."""
+    shipped, *others = (_geometry(label, changes)[-3:] for label, changes in GEOMETRIES[:-1])
+    return max(abs(stress / usual - 1) for other in others for stress, usual in zip(other, shipped, strict=True))
+
+
 def section() -> str:
     """Text of the section."""
     x40, finer, solid, plain = facts(), fine(), compared_with_bricks(), elements()

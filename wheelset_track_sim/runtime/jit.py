@@ -7,14 +7,17 @@ functions are in modules named ``*kernels.py``, which the digest covers.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import logging
 import os
+import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -22,6 +25,7 @@ import numba
 import numba.experimental.function_type  # numba itself imports it too late for ``Address``
 import platformdirs
 from numba.core.caching import FunctionCache
+from numba.core.serialize import dumps
 
 from .cores import cores
 
@@ -29,6 +33,8 @@ config: Any = numba.config
 typeof: Any = numba.typeof
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+APART = "WHEELSET_TRACK_SIM_COMPILES_APART"
+"""Set in the processes that compile kernels for others."""
 DONE = "compiled"
 """File in the folder of kernels; the kernels of a run are compiled if it exists."""
 
@@ -89,7 +95,11 @@ def compiled_meanwhile(module: str) -> Iterator[None]:
         yield
         return
     process = subprocess.Popen(
-        [sys.executable, "-m", module], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, "-m", module],
+        env=os.environ | {APART: "1"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     try:
         yield
@@ -147,10 +157,21 @@ class Address:
 
 
 class _KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """numba's cache of one kernel: what cannot be read, as after a power loss, or written, is reported and left."""
+    """numba's cache of one kernel: what cannot be read, as after a power loss, or written, is reported and left.
+
+    A kernel is not compiled where it is missing but in a process of its own, and then loaded: it depends on what has
+    been compiled before which functions the compiler puts in place, and so does the last bit of a sum. This way the
+    first run has the same machine code as all later ones.
+    """
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Compiled kernel for a signature; None if there is none that can be read."""
+        """Compiled kernel for a signature; None if there is none, and none can be made apart."""
+        found = self._load(sig, target_context)
+        if found is None and _compiled_apart(self._py_func, sig):
+            found = self._load(sig, target_context)
+        return found
+
+    def _load(self, sig: Any, target_context: Any) -> Any:
         try:
             return super().load_overload(sig, target_context)
         except Exception as damage:  # noqa: BLE001  any damage whatever ends in a compilation
@@ -167,6 +188,30 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
             log.warning("compiled kernel is not stored: %s cannot be written (%s)", self.cache_path, reason.strerror)
 
 
+def _compiled_apart(function: Callable[..., Any], signature: Any) -> bool:
+    """Whether another process has compiled and stored a kernel of this package."""
+    if APART in os.environ or function.__module__.partition(".")[0] != __name__.partition(".")[0]:
+        return False
+    done = subprocess.run(
+        [sys.executable, "-m", __name__],
+        input=dumps((function.__module__, function.__name__, signature)),
+        env=os.environ | {APART: "1"},
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        log.debug("%s was not compiled apart: %s", function.__name__, done.stderr.decode(errors="replace"))
+    return done.returncode == 0
+
+
+def _compile_asked_for() -> None:
+    """Compile the kernel that standard input names; one process at a time, so that none is stored twice."""
+    module, name, signature = pickle.load(sys.stdin.buffer)
+    with (cache_folder() / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        getattr(import_module(module), name).compile(signature)
+
+
 def _compiled(function: Function, **options: Any) -> Function:
     compiled = numba.njit(nogil=True, error_model="numpy", **options)(function)
     folder = trusted_folder()
@@ -178,3 +223,7 @@ def _compiled(function: Function, **options: Any) -> Function:
         finally:
             config.CACHE_DIR = previous
     return cast(Function, compiled)
+
+
+if __name__ == "__main__":
+    _compile_asked_for()

@@ -22,7 +22,8 @@ from ..runtime.cache import digest
 from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
-from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, read_wheelset
+from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, primary_suspension, read_wheelset
+from ..wheelset.vehicle import Vehicle, plain_vehicle, read_vehicle
 from .contact import ContactOptions
 from .loads import Loads
 from .profiles import Profiles
@@ -93,6 +94,8 @@ class Scenario:
     """In files: the name of a shipped wheelset, the path of a file, or a mapping."""
     track: Track = parsed(read_track, plain_track, default_factory=partial(load_track, TRACK))
     """In files: the name of a shipped track, the path of a file, or a mapping."""
+    vehicle: Vehicle | None = parsed(read_vehicle, plain_vehicle, default=None)
+    """What stands on the primary suspension; None holds its upper ends. In files like ``track``."""
     irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
     line_length: float | None = quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat", default=None)
@@ -143,6 +146,7 @@ class Scenario:
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
         self._check_speeds()
+        self._check_vehicle()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
         self.loads.check_weight(self.wheelset, self.axle_load)
         check_number(len(self.irregularities))
@@ -218,6 +222,18 @@ class Scenario:
         """Digest of all that the scenario says; names of shipped models count as names."""
         return digest(self.to_mapping())
 
+    def _check_vehicle(self) -> None:
+        if self.vehicle is None:
+            return
+        if not isinstance(self.vehicle, Vehicle):
+            raise InputError(f"vehicle = {self.vehicle!r} is a name, or plain data: give load_vehicle(vehicle)")
+        if self.vehicle.body_mass is not None and self.dynamics == "paper":
+            raise InputError(
+                "vehicle.body_mass moves more slowly than the Green's functions of paper dynamics last: leave it out, "
+                "or use causal"
+            )
+        primary_suspension(self.wheelset)
+
     def _check_speeds(self) -> None:
         for index, (before, after) in enumerate(pairwise(self.speed_plan)):
             if after.time <= before.time:
@@ -261,7 +277,7 @@ def _check_models(
     if not _whole(bay):
         raise InputError(
             f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
-            f"give {_dividing(track.spacing, math.ceil(bay))} m"
+            f"give {dividing(track.spacing, math.ceil(bay))} m"
         )
     nodes = [node.name for node in wheelset.stress_nodes]
     for index, node in enumerate(stress_nodes):
@@ -288,7 +304,7 @@ def _whole(count: float) -> bool:
     return abs(count - round(count)) <= 1e-6
 
 
-def _dividing(length: float, parts: int) -> str:
+def dividing(length: float, parts: int) -> str:
     """A length that goes ``parts`` times into ``length``, or a little more often: the first that few digits can say."""
     found = (f"{length / count:.6g}" for count in range(parts, 2 * parts + 1))
     return next((each for each in found if _whole(length / float(each))), f"{length / parts!r}")

@@ -92,4 +92,5 @@ def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Pictur
 def description(scenario: Scenario) -> str:
     """Wheelset, track, load and speed in a line."""
     load = f"{scenario.axle_load / 1e3:.1f} kN on both wheels, {3.6 * scenario.speed:.0f} km/h"
-    return f"{scenario.wheelset.name} on {scenario.track.name}, {load}"
+    above = f" under {scenario.vehicle.name}" if scenario.vehicle else ""
+    return f"{scenario.wheelset.name}{above} on {scenario.track.name}, {load}"
