@@ -91,13 +91,15 @@ def test_a_bag_of_version_0_1_is_played(play, client):
     for topic, conversion in conversions.items():
         stored[topic] = [padded(conversion(cdr)) for cdr in stored[topic]]
     listener = Subscriber(client, OLD_BAG)
-    play(OLD_BAG, "--loop", "--start-paused")
+    node = play(OLD_BAG, "--loop", "--start-paused")
     listener.connect()
     for _ in range(3):
         assert client.trigger("play_next").success
     client.until(
         lambda: all(by_topic([*listener.arrived])[topic][-len(items) :] == items for topic, items in stored.items())
     )
+    assert node.signal(signal.SIGINT) == 0
+    assert "WARN" not in node.errors
 
 
 def test_every_chunk_leaves_at_its_time(play, client, bag):

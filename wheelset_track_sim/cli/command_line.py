@@ -330,7 +330,8 @@ def _add_replay(commands: _Commands) -> None:
 def _replay(options: argparse.Namespace) -> int:
     from .nodes import replay
 
-    parameters = {name: value for name, value in vars(options).items() if name not in ("command", "ros_arguments")}
+    own = ("command", "ros_arguments", "warnings")
+    parameters = {name: value for name, value in vars(options).items() if name not in own}
     return replay(ros_arguments=options.ros_arguments, **parameters)
 
 
