@@ -19,6 +19,7 @@ from . import (
     ripple,
     steps,
     tracks,
+    vehicles,
     wheelset_checks,
     wheelsets,
 )
@@ -49,6 +50,7 @@ def main() -> int:
         coupling.section(),
         joints.section(),
         railfe.section(),
+        vehicles.section(),
         ripple.appendix(static[0]),
     ]
     PAGE.write_text(paragraphs(*first.screen(cases, causal, paper), *sections) + "\n", encoding="utf-8")
