@@ -87,7 +87,7 @@ def section() -> str:
             rows,
             (2, *(1,) * 2 * len(names)),
         ),
-        f"A wave of {WAVE:g} m and {1e3 * HEIGHT:g} mm in amplitude in both rails, passed at 100 km/h, which is 1.4 Hz: "
+        f"A wave of {WAVE:g} m and {1e3 * HEIGHT:g} mm in amplitude in both rails, passed at 100 km/h, or 1.4 Hz: "
         "amplitude of the force of wheel 1, and of the linear response of wheelset, track and contact:",
         table(
             ("vehicle", "simulated, kN", "linear, kN"),
@@ -96,6 +96,6 @@ def section() -> str:
         ),
         "* Over long waves a wheelset with held springs makes several times the force that a vehicle has. A run warns "
         "when its waves pass below 15 Hz without a vehicle and would make more than 1 % of the wheel load.\n"
-        f"* With held springs the receptance is {off[15.0]:.0f} % too high at 15 Hz and {off[30.0]:.0f} % at 30 Hz. Impacts, "
-        "which last some milliseconds, need no vehicle.",
+        f"* With held springs the receptance is {off[15.0]:.0f} % too high at 15 Hz and {off[30.0]:.0f} % at 30 Hz. "
+        "Impacts, which last some milliseconds, need no vehicle.",
     )
