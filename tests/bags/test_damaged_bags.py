@@ -128,7 +128,7 @@ def test_missing_files_are_told(tmp_path, run_info, run_blocks, make_state):
             if block is not run_blocks[-1]:
                 writer.split()
     (bag / "run_1.mcap").unlink()
-    with pytest.raises(RecordingError, match=r"run_1\.mcap is missing"):
+    with pytest.raises(RecordingError, match=r"run_1\.mcap, which metadata.yaml names: it is missing"):
         list(Bag(bag).events())
     found, _, losses = read_all(bag)
     assert [block.first_step for block in found] == [0, 1390]

@@ -15,11 +15,15 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ..bag_reader import BagReader
-from ..mcap.reader import Chunk, McapReader, Span
+from ..mcap.reader import Chunk, McapReader
 from ..topics import Topic
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+LATEST = 2**63 - 1
+"""Largest time, ns, at which a message is played: ROS has no later one."""
 
 
 class Played(NamedTuple):
@@ -120,15 +124,8 @@ class RecordedBag:
 
     def _spans(self, mcap: McapReader) -> _Spans:
         """Where the chunks of a file are; notes its topics on the way."""
-        spans = [*mcap.spans()]
-        if mcap.index is not None:
-            mcap.index.chunks.clear()  # which takes a hundred times the memory of ours
-        else:
-            for part in mcap.scan():
-                if isinstance(part, Chunk) and (found := _played(mcap, part)):
-                    times = [message.time_ns for message in found]
-                    topics = frozenset(message.topic for message in found)
-                    spans.append(Span(part.place, min(times), max(times), topics))
+        spans = [span for span in mcap.spans() if span.last_ns <= LATEST]
+        mcap.release()
         for topic in mcap.topics:
             self.topics.setdefault(topic.name, topic)
         spans.sort(key=lambda span: (span.first_ns, span.last_ns, span.place))
