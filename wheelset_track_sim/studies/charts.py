@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..errors import InputError
-from ..inputs.schema import unknown
+from ..inputs.schema import keyed, unknown
 from ..report.figures import COLOURS, new_figure
 from . import drawing, units
 from .axes import Axis, Point
@@ -39,6 +39,9 @@ class Panel:
     title: str = ""
     at: Any = field(default_factory=dict)
     """Axes with the value or label at which the panel looks."""
+
+    def __post_init__(self) -> None:
+        keyed(self.at, "at", "axes with their values")
 
 
 @dataclass(frozen=True)
