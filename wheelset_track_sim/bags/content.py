@@ -13,8 +13,8 @@ from ..scenario import WHEELS
 from ..wheelset.reduced import COMPONENTS
 from .messages import State, block_of, state_of
 
-LATEST = 1e9
-"""Largest simulated time, s: thirty years."""
+LATEST = 9e9
+"""Largest simulated time, s: 2^63 ns."""
 LAST = 2**64 - 2**32
 """Largest step."""
 STEP = (1e-6, 1.0)

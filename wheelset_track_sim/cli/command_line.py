@@ -334,6 +334,9 @@ def _add_resimulate(commands: _Commands) -> None:
     _takes_bag(resimulate)
     _takes_changes(resimulate, "set a key throughout the run, such as wheel_1.damage.h=0.001 or track.spacing=0.65")
     resimulate.add_argument("--out", type=Path, metavar="BAG", help="record the new run: FILE.mcap, or a bag folder")
+    resimulate.add_argument(
+        "--most-steps", type=int, metavar="N", help="steps without samples to simulate, as before the bag (1e8)"
+    )
     _takes_json(resimulate)
     resimulate.set_defaults(command=_resimulate)
 
@@ -341,7 +344,7 @@ def _add_resimulate(commands: _Commands) -> None:
 def _resimulate(options: argparse.Namespace) -> int:
     from .resimulate import run_resimulate
 
-    return run_resimulate(options.bag, options.set, options.out, json=options.json)
+    return run_resimulate(options.bag, options.set, options.out, options.most_steps, json=options.json)
 
 
 def _add_recover(commands: _Commands) -> None:

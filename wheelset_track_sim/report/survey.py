@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bags import Bag, Loss, RunInfo, State
-from ..errors import InputError
+from ..errors import InputError, recorded_input
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
@@ -274,6 +274,7 @@ class _Collected:
 
 def _read(text: str) -> Scenario | None:
     try:
-        return scenario_from(parse(text, "scenario of the bag"))
+        with recorded_input():
+            return scenario_from(parse(text, "scenario of the bag", trusted=False))
     except InputError:
         return None
