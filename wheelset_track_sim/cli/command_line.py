@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from ..twin.measured import Matching, Reading
 
 PROGRAM = "wheelset-track-sim"
+NO_PARAMETERS = ("command", "ros_arguments", "warnings")
+"""Options of ``replay`` that are no parameters of its node."""
 OLD_RESIMULATE = "--simulate-again"
 """Option that made ``replay`` simulate a bag again."""
 
@@ -318,7 +320,7 @@ def _add_replay(commands: _Commands) -> None:
 def _replay(options: argparse.Namespace) -> int:
     from .nodes import replay
 
-    parameters = {name: value for name, value in vars(options).items() if name not in ("command", "ros_arguments")}
+    parameters = {name: value for name, value in vars(options).items() if name not in NO_PARAMETERS}
     return replay(ros_arguments=options.ros_arguments, **parameters)
 
 

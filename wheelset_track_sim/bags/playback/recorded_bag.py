@@ -15,15 +15,12 @@ from numpy.typing import NDArray
 
 from ...errors import RecordingError
 from ..bag_reader import BagReader
-from ..mcap.reader import Chunk, McapReader
+from ..mcap.reader import Chunk, McapReader, Span
 from ..topics import Topic
+from .stamps import LATEST
 
 if TYPE_CHECKING:
     from typing_extensions import Self
-
-
-LATEST = 2**63 - 1
-"""Largest time, ns, at which a message is played: ROS has no later one."""
 
 
 class Played(NamedTuple):
@@ -124,7 +121,7 @@ class RecordedBag:
 
     def _spans(self, mcap: McapReader) -> _Spans:
         """Where the chunks of a file are; notes its topics on the way."""
-        spans = [span for span in mcap.spans() if span.last_ns <= LATEST]
+        spans = [span for span in (self._within_time(mcap, span) for span in mcap.spans()) if span.first_ns <= LATEST]
         mcap.release()
         for topic in mcap.topics:
             self.topics.setdefault(topic.name, topic)
@@ -132,6 +129,16 @@ class RecordedBag:
         holding = {topic.name: np.flatnonzero([topic.name in span.topics for span in spans]) for topic in mcap.topics}
         places, first, last = np.array([span[:3] for span in spans], np.int64).reshape(-1, 3).T
         return _Spans(places, first, last, holding)
+
+    def _within_time(self, mcap: McapReader, span: Span) -> Span:
+        """A span without messages of times that cannot be played, which are reported."""
+        if span.last_ns <= LATEST:
+            return span
+        self._damaged(f"{mcap.name}: messages after {LATEST} ns are left out, for ROS has no such times")
+        if span.first_ns > LATEST:
+            return span
+        times = [message.time_ns for message in self._read(mcap, span.place)]
+        return span._replace(last_ns=max(times, default=span.first_ns))
 
     @contextmanager
     def _reporting(self, file: str) -> Iterator[None]:
@@ -149,4 +156,8 @@ class RecordedBag:
 
 
 def _played(mcap: McapReader, chunk: Chunk) -> list[Played]:
-    return [Played(item.log_time, item.topic.name, bytes(item.data)) for item in mcap.messages(chunk)]
+    return [
+        Played(item.log_time, item.topic.name, bytes(item.data))
+        for item in mcap.messages(chunk)
+        if item.log_time <= LATEST
+    ]
