@@ -23,6 +23,7 @@ from .bag_reader import FORCES, SAMPLES, BagReader, Located
 from .content import ContentError, check_place, checked_state, checked_wheel, span_of
 from .grouping import Groups, by_step
 from .losses import Damage, Gap, Loss
+from .mcap.reader import McapReader
 from .messages import start_of
 from .run_info import Input, RunInfo, in_order
 
@@ -155,7 +156,7 @@ class _Pass:
         self.blocks: list[_Piece] = []
         self.groups = Groups((FORCES, *self._reader.topics("AxleStress")))
         self._held: Counter[tuple[str, str]] = Counter()
-        self._listed: dict[str, dict[str, int]] = {}
+        self._files: dict[str, McapReader] = {}
         for found in self._reader.stored((FORCES,)):
             self._take(found)
         self._compare_counts()
@@ -165,7 +166,7 @@ class _Pass:
         self.counts[topic.name] += 1
         self.types.setdefault(topic.name, topic.type)
         self._held[found.mcap.name, topic.name] += 1
-        self._listed[found.mcap.name] = found.mcap.counts or {}
+        self._files[found.mcap.name] = found.mcap
         message = self._reader.decoded(found) if topic.kind in (*SMALL, *SAMPLES) else None
         if message is not None:
             self._reader.made(found, lambda: self._note(topic.kind, topic.name, message, len(found.message.data)))
@@ -191,8 +192,8 @@ class _Pass:
     def _compare_counts(self) -> None:
         """Report messages that the statistics of a file count, and that are not there."""
         damaged = {loss.file for loss in self._losses if isinstance(loss, Damage)}
-        for file, counts in self._listed.items():
-            for topic, count in counts.items() if file not in damaged else ():
+        for file, mcap in self._files.items():
+            for topic, count in (mcap.counts or {}).items() if file not in damaged else ():
                 held = self._held[file, topic]
                 if held < count:
                     self._losses.append(Damage(file, 0, 0, f"it holds {held} of the {count} messages of {topic}"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -72,7 +73,8 @@ def with_settings(scenarios: Sequence[Scenario], settings: Sequence[str]) -> lis
             raise InputError(
                 f"--set {key}: the run has {most} irregularities at most, 0 is the first: give one of them"
             )
-        scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
+        with nullcontext() if key.startswith("irregularities") else recorded_input():
+            scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
     return [*scenarios]
 
 
