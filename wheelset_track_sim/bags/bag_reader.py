@@ -259,7 +259,7 @@ class BagReader:
         found: list[_Place] = []
         for file in self.files:
             with self.opened(file) as mcap:
-                if mcap.layout is None or mcap.index is None or not mcap.index.defines_all:
+                if not mcap.lists_all:
                     return None
                 wanted = {topic.name for topic in mcap.topics if topic.kind in kinds}
                 spans = (span for span in mcap.spans() if wanted & span.topics)

@@ -56,6 +56,14 @@ def span_of(message: Any) -> int:
     return checked_span(message, COMPONENTS if hasattr(message, "node") else WHEELS)
 
 
+def check_finite(message: Any) -> None:
+    """Raise ContentError for a ContactForces or AxleStress with a sample that is not finite."""
+    for name in COMPONENTS if hasattr(message, "node") else WHEELS:
+        values = getattr(message, name)
+        if not math.isfinite(values.sum()) and not np.isfinite(values).all():
+            raise ContentError(f"{name} from step {message.first_step} on has {values[~np.isfinite(values)][0]}")
+
+
 def checked_block(forces: Any, stresses: Sequence[Any]) -> SampleBlock:
     """Block of a ContactForces and the AxleStress of each node; ContentError names what no run can have."""
     samples = checked_span(forces, WHEELS)

@@ -20,7 +20,7 @@ from ..samples.block import SampleBlock
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
 from .bag import LONGEST_GAP, STATE, Bag
 from .bag_reader import FORCES, SAMPLES, BagReader, Located
-from .content import ContentError, check_place, checked_state, checked_wheel, span_of
+from .content import ContentError, check_finite, check_place, checked_state, checked_wheel, span_of
 from .grouping import Groups, by_step
 from .losses import Damage, Gap, Loss
 from .mcap.reader import McapReader
@@ -179,8 +179,9 @@ class _Pass:
         elif kind == STATE:
             state = checked_state(message)
             self.inputs.append(Input(state.revision, state.first_step, state.scenario))
-        else:
+        elif kind == FORCES or topic in self.groups.signals:
             samples = span_of(message)
+            check_finite(message)
             place = _Piece(message.first_step, samples, float(message.time), float(message.step_period))
             group = self.groups.add(FORCES if kind == FORCES else topic, place, 0)
             if group is not None:
@@ -218,7 +219,7 @@ def overview(path: str | Path) -> Overview:
     losses += run.losses
     losses += _incomplete(seen.groups, blocks, reader.path.name)
     losses += _unequal(blocks, summaries, reader.path.name)
-    unchecked = ["the values of the samples: the extremes are those of the summaries in the bag"]
+    unchecked = ["whether the extremes, which are those of the summaries in the bag, are those of the samples"]
     if run.first is None:
         unchecked = ["whether it is whole: it holds no samples of a run"]
     elif summaries.summary is None:

@@ -64,6 +64,11 @@ class Layout:
     """Whether it says so of all channels: there is a message index after each chunk."""
 
     @property
+    def channels(self) -> frozenset[int]:
+        """All channels with messages."""
+        return frozenset().union(*{part.channels for part in self.parts})
+
+    @property
     def in_time(self) -> list[FilePart]:
         """Parts in the order in which they are read: that of the file, or of time if topics are stored apart."""
         latest = 0
@@ -88,16 +93,6 @@ class Index:
     """Places of records of metadata."""
     counts: dict[int, int] | None = None
     """Messages of each channel; None if the file does not say."""
-    channel_count: int = 0
-    """Channels of the file, if it says so."""
-
-    @property
-    def defines_all(self) -> bool:
-        """Whether it holds every channel, and the type of each."""
-        named = {*(self.counts or ())}.union(*{channels for _, channels in self.chunks.values()})
-        typed = all(channel.schema_id in self.schemas for channel in self.channels.values())
-        enough = bool(self.channels) if self.counts is None else len(self.channels) >= self.channel_count
-        return typed and enough and named <= self.channels.keys()
 
     def add_chunk(self, content: memoryview) -> None:
         """Note a chunk from its index record; raises struct.error for one that is too short."""

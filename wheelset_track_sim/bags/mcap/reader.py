@@ -152,7 +152,10 @@ class McapReader:
     @property
     def lists_all(self) -> bool:
         """Whether topics, and the order of their messages, are known without looking through the file."""
-        return self.index is not None and self.index.defines_all and self.layout is not None and self.layout.timed
+        if self.index is None or self.layout is None or not self.layout.timed:
+            return False
+        defined = {n for n, channel in self.index.channels.items() if channel.schema_id in self.index.schemas}
+        return self.layout.channels <= defined
 
     @property
     def unordered(self) -> set[str]:
@@ -209,7 +212,7 @@ class McapReader:
 
     def spans(self) -> Iterator[Span]:
         """Where all messages are, in the order of the file; a file that does not say so is read for it."""
-        if self.layout is not None and self.index is not None and self.index.defines_all:
+        if self.layout is not None and self.lists_all:
             named = {number: channel.topic for number, channel in self._channels.items()}
             everything = frozenset(named.values())
             for place, first, last, channels in self.layout.parts:
@@ -438,8 +441,7 @@ def _index(index: Index, opcode: int, content: memoryview) -> None:
     elif opcode == Opcode.METADATA_INDEX:
         index.metadata.append(MetadataIndex.read(_stream_of(content)).offset)
     elif opcode == Opcode.STATISTICS:
-        found = Statistics.read(_stream_of(content))
-        index.counts, index.channel_count = found.channel_message_counts, found.channel_count
+        index.counts = Statistics.read(_stream_of(content)).channel_message_counts
     else:
         _register(opcode, content, index.schemas, index.channels)
 
