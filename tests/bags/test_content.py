@@ -261,7 +261,19 @@ def test_inputs_unpack_to_a_bounded_size() -> None:
 
 
 @pytest.mark.parametrize(
-    "definition", [b"", b"float64 x", b"\xff\xfe", b"wheelset_track_msgs/ContactForces again", b"=" * 9]
+    "definition",
+    [
+        b"",
+        b"float64 x",
+        b"\xff\xfe",
+        b"wheelset_track_msgs/ContactForces again",
+        b"=" * 9,
+        b"\n" * 100_000,
+        b" " * 100_000 + b"x",
+        b"float64 x\n" * 20_000,
+        schema("AxleStress").encode() + b"\n" * 120_000,
+    ],
+    ids=range(9),
 )
 def test_definitions_that_are_none(tmp_path: Path, source: Source, definition: bytes) -> None:
     entries = [entry._replace(definition=definition) if entry.type == STRESS else entry for entry in source.entries]

@@ -1,5 +1,7 @@
 """Whatever kind of file a writer makes of a run, it is read, listed, played and recovered whole."""
 
+import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,9 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mcap.opcode import Opcode
 
 from support.rewriting import KINDS, Kind, entries_of, write
 from wheelset_track_sim.bags import Recording, read_bag
+from wheelset_track_sim.bags.mcap.writer import MAGIC
 from wheelset_track_sim.bags.overview import overview
 from wheelset_track_sim.bags.playback.recorded_bag import RecordedBag
 from wheelset_track_sim.bags.recover import recover
@@ -117,3 +121,23 @@ def test_missing_messages_are_never_passed_over(folder: Path, source: Source, ki
     assert len(part) == found.steps
     assert any("incomplete without" in str(loss) for loss in losses)
     np.testing.assert_array_equal(part.forces, whole.forces[part.steps.astype(int)])
+
+
+def test_an_index_that_names_some_channels_alone_is_completed(tmp_path: Path, source: Source) -> None:
+    """Without statistics and without lists of channels, nothing in it says that it lacks some."""
+    path = write(tmp_path / "run.mcap", source.entries, source.records, Kind(statistics=False, offsets=False))
+    data = path.read_bytes()
+    start = struct.unpack_from("<Q", data, len(data) - 28)[0]
+    place, end, topics = start, b"", 0
+    while data[place] != Opcode.FOOTER:
+        following = place + 9 + struct.unpack_from("<Q", data, place + 1)[0]
+        topics += data[place] == Opcode.CHANNEL
+        if data[place] != Opcode.CHANNEL or topics <= 3:
+            end += data[place:following]
+        place = following
+    footer = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, 0)
+    crc = zlib.crc32(end + footer)
+    path.write_bytes(data[:start] + end + footer + struct.pack("<I", crc) + MAGIC)
+    assert topics > 3
+    assert_part(read_bag(path), source.run, slice(None))
+    assert overview(path).complete

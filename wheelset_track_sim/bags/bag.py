@@ -14,7 +14,7 @@ from ..samples.block import SampleBlock
 from .bag_reader import FORCES, SAMPLES, STRESS, BagReader, Lost
 from .content import LAST, checked_block, checked_state, span_of
 from .grouping import HELD, Group, Groups, by_step
-from .losses import Damage, Gap
+from .losses import LONGEST_GAP, Damage, Gap
 from .messages import State, start_of, stress_topic
 from .run_info import RunInfo
 from .window import EVERYTHING, RunWindow
@@ -22,8 +22,6 @@ from .window import EVERYTHING, RunWindow
 STATE = "SimulationState"
 KINDS = (*SAMPLES, STATE)
 """Messages that make up a run; all others are derived from them."""
-LONGEST_GAP = 10**8
-"""Steps that may be missing between two blocks of a run: an hour of it."""
 
 
 @dataclass(frozen=True)
@@ -158,10 +156,7 @@ class Bag:
                 "it with its gaps"
             )
         if block.first_step - end > LONGEST_GAP:
-            words = (
-                f"steps from {block.first_step} on come after step {end - 1}: a gap of more than {LONGEST_GAP} steps"
-            )
-            self.lost(Damage(self.path.name, 0, 0, f"{words} ends the run, and all that follows is left out"))
+            self.lost(Damage.far(self.path.name, block.first_step, end))
             return False
         if gap := Gap.between(end, end_time, block.first_step, block.time):
             self.lost(gap)

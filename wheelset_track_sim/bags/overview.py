@@ -18,11 +18,11 @@ from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
-from .bag import LONGEST_GAP, STATE, Bag
+from .bag import STATE, Bag
 from .bag_reader import FORCES, SAMPLES, BagReader, Located
 from .content import ContentError, check_finite, check_place, checked_state, checked_wheel, span_of
 from .grouping import Groups, by_step
-from .losses import Damage, Gap, Loss
+from .losses import LONGEST_GAP, Damage, Gap, Loss
 from .mcap.reader import McapReader
 from .messages import start_of
 from .run_info import Input, RunInfo, in_order
@@ -129,7 +129,8 @@ class _Total:
         if self.first is None:
             self.first = piece
         elif piece.first_step < self.end_step or piece.first_step - self.end_step > LONGEST_GAP:
-            self.losses.append(Damage.again(self._bag, piece.first_step, self.end_step))
+            ends = Damage.again if piece.first_step < self.end_step else Damage.far
+            self.losses.append(ends(self._bag, piece.first_step, self.end_step))
             self.over = True
             return
         elif gap := Gap.between(self.end_step, self._end_time, piece.first_step, piece.time):

@@ -8,11 +8,11 @@ from functools import cache, cached_property
 from typing import Any
 
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_typestore
 
 from ..errors import InputError
 from ..inputs.yaml12 import dump, parse
-from .definitions import full_name, schema, type_hash, typestore
+from .definitions import full_name, schema, stored_types, type_hash, typestore
 
 PROFILES, TYPE_HASH = "offered_qos_profiles", "topic_type_hash"
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
@@ -113,8 +113,8 @@ class Topic:
         if self.encoding != "ros2msg":
             return {}
         try:
-            return dict(get_types_from_msg(self.definition.decode(errors="replace"), self.type))
-        except UNREADABLE:
+            return stored_types(self.definition, self.type)
+        except ValueError:
             return {}
 
 
