@@ -153,6 +153,9 @@ def test_no_file_at_all(tmp_path: Path) -> None:
     (tmp_path / "metadata.yaml").write_text(f"{LIST}  - run_0.db3\n")
     with pytest.raises(NoBagError, match=r"holds no \.mcap file"):
         read_bag(tmp_path)
+    (tmp_path / "run_0.db3").write_bytes(b"SQLite format 3")
+    with pytest.raises(NoBagError, match="as ros2 bag convert makes it of SQLite bags"):
+        read_bag(tmp_path)
 
 
 @pytest.mark.parametrize("content", [b"", b"speed: 3\n" * 100, bytes(5000)])

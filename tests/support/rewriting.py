@@ -1,7 +1,7 @@
 """Bags as other programs write them: the same messages in files of many kinds."""
 
 import random
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,10 +41,17 @@ class Kind:
     crcs: bool = True
     data_crc: bool = False
     order: str = "time"
+    pace: int = 1
+    """Time between messages of the file, over that in the run: topics that are stored apart may be far apart."""
+
+    def paced(self, entries: Sequence[Entry]) -> list[Entry]:
+        """Entries at their times in the file."""
+        start = entries[0].time_ns if entries else 0
+        return [entry._replace(time_ns=start + self.pace * (entry.time_ns - start)) for entry in entries]
 
     def arranged(self, entries: Iterable[Entry]) -> list[Entry]:
-        """Entries in the order of the file."""
-        found = [*entries]
+        """Entries at their times, in the order of the file."""
+        found = self.paced([*entries])
         if self.order == "shuffled":
             random.Random(1).shuffle(found)
         elif self.order != "time":
@@ -66,6 +73,7 @@ KINDS = st.builds(
     crcs=st.booleans(),
     data_crc=st.booleans(),
     order=st.sampled_from(ORDERS),
+    pace=st.sampled_from([1, 100_000]),
 )
 
 

@@ -20,7 +20,7 @@ from rosbags.typesys import TypesysError
 
 from ..errors import NoBagError, RecordingError
 from .definitions import DefinitionError, decoder
-from .folder_files import FolderFiles, folder_files, is_mcap
+from .folder_files import OTHERS, FolderFiles, folder_files, is_mcap
 from .folder_metadata import METADATA
 from .losses import Damage, Loss
 from .mcap.reader import UNREADABLE, Chunk, Known, McapReader, StoredMessage
@@ -94,6 +94,8 @@ class BagReader:
         if not found.files:
             inside = min((file.parent for file in path.glob("*/*.mcap")), default=None)  # of snapshots, of recordings
             such = f", such as {inside}" if inside else ""
+            if any(file.name.endswith(OTHERS) for file in path.iterdir()):
+                such = ", as ros2 bag convert makes it of SQLite bags and of files that are compressed as a whole"
             raise NoBagError(f"{path} holds no .mcap file: give a bag folder or an .mcap file{such}")
         return found
 

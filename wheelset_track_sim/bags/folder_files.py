@@ -16,6 +16,8 @@ from .folder_metadata import METADATA, listed_files
 from .losses import Damage
 
 SUFFIX = ".mcap"
+OTHERS = (".db3", ".zstd")
+"""Files of ``ros2 bag record`` that are no MCAP: SQLite, or compressed as a whole."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ def folder_files(folder: Path, begins: Callable[[Path], int | None]) -> FolderFi
         names = [*dict.fromkeys(listed_files(folder))]
     except InputError as reason:
         return _by_content(there, begins, Damage(METADATA, 0, 0, f"it cannot be read ({reason})"))
-    files = tuple(folder / name for name in names if _is_file(folder / name))
+    files = tuple(folder / name for name in names if _is_file(folder / name) and not name.endswith(OTHERS))
     missing = tuple(Damage(name, 0, 0, "it is missing") for name in names if folder / name not in files)
     if not files:  # of another bag, or of files that were renamed
         found = _by_content(there, begins, *missing)
