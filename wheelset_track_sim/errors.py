@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 LONGEST = 2000
 """Characters of a line that refuses input, or warns of it."""
@@ -41,9 +44,34 @@ class InputWarning(UserWarning):
     """
 
 
+_recorded: ContextVar[bool] = ContextVar("recorded", default=False)
+
+
+@contextmanager
+def recorded_input() -> Iterator[None]:
+    """Take input within as that of a recorded run.
+
+    What it was warned of when it was fresh is not repeated. What ``doubt`` refuses today was simulated then, so that it
+    is used again with a warning.
+    """
+    token = _recorded.set(True)
+    try:
+        yield
+    finally:
+        _recorded.reset(token)
+
+
 def warn(message: str) -> None:
-    """Issue an InputWarning: quantity, value, limit and remedy in one line."""
-    warnings.warn(_line(message), InputWarning, stacklevel=3)
+    """Issue an InputWarning about fresh input: quantity, value, limit and remedy in one line."""
+    if not _recorded.get():
+        warnings.warn(_line(message), InputWarning, stacklevel=3)
+
+
+def doubt(message: str) -> None:
+    """Raise InputError for fresh input that can be used and cannot be meant; warn of it in that of a recorded run."""
+    if not _recorded.get():
+        raise InputError(message)
+    warnings.warn(_line(f"as recorded: {message}"), InputWarning, stacklevel=3)
 
 
 def printable(text: str) -> str:
@@ -66,7 +94,10 @@ class ContactError(WheelsetTrackError):
 
 
 class RecordingError(WheelsetTrackError):
-    """A bag cannot be written or read."""
+    """A bag cannot be written or read; the message is a line like that of InputError."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(_line(message))
 
 
 class NoBagError(RecordingError, InputError):

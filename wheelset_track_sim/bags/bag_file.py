@@ -12,6 +12,7 @@ from pathlib import Path
 
 from ..runtime.output_files import file_name
 from ..version import __version__
+from .folder_files import is_mcap
 from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .mcap.writer import McapWriter
 from .topics import Topic
@@ -140,7 +141,7 @@ class BagFiles:
     def __init__(self, path: Path) -> None:
         """Create the folder, which must not exist, or the folders above a single file."""
         self.path = path
-        self.folder = path.suffix != ".mcap"
+        self.folder = not is_mcap(path)
         if self.folder:
             path.mkdir(parents=True)
         else:

@@ -16,6 +16,7 @@ from ..samples.impacts import Impact
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN, TurnPeaks
 from .bag_file import BagFiles
+from .folder_files import is_mcap
 from .messages import Message, State, chunk_messages, impact_message, state_again, state_message
 from .run_info import METADATA_NAME, Input, RunInfo
 from .settings import RecordSettings
@@ -127,7 +128,7 @@ class BagWriter(Writer):
         self._info = info
         self._settings = settings or RecordSettings()
         self._splits = self._settings.splits
-        if self.path.suffix == ".mcap" and self._splits:
+        if is_mcap(self.path) and self._splits:
             raise InputError(f"{self.path} is a single file, which cannot be split: give a folder, without .mcap")
         self._topics: dict[str, Topic] = {}  # by the names of messages
         self._flushed_ns = self._end_ns = start_ns

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import InputError, RecordingError
 from .bag_writer import PREFIX, SECOND_NS, STATE, BagWriter, Writer, creating
+from .folder_files import is_mcap
 from .messages import Message
 from .run_info import Input, RunInfo
 from .settings import SNAPSHOT, RecordSettings
@@ -34,7 +35,7 @@ class SnapshotWriter(Writer):
 
         Raises InputError if it exists or cannot be written.
         """
-        self.path = Path(path).with_suffix("") if Path(path).suffix == ".mcap" else Path(path)
+        self.path = Path(path).with_suffix("") if is_mcap(Path(path)) else Path(path)
         self.start_ns = start_ns
         self._info, self._prefix, self._settings = info, prefix, settings
         self._kept: deque[Sequence[Message]] = deque()

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from ..twin.measured import Matching, Reading
 
 PROGRAM = "wheelset-track-sim"
+NO_PARAMETERS = ("command", "ros_arguments", "warnings")
+"""Options of ``replay`` that are no parameters of its node."""
 OLD_RESIMULATE = "--simulate-again"
 """Option that made ``replay`` simulate a bag again."""
 
@@ -330,8 +332,7 @@ def _add_replay(commands: _Commands) -> None:
 def _replay(options: argparse.Namespace) -> int:
     from .nodes import replay
 
-    own = ("command", "ros_arguments", "warnings")
-    parameters = {name: value for name, value in vars(options).items() if name not in own}
+    parameters = {name: value for name, value in vars(options).items() if name not in NO_PARAMETERS}
     return replay(ros_arguments=options.ros_arguments, **parameters)
 
 
@@ -347,6 +348,9 @@ def _add_resimulate(commands: _Commands) -> None:
     _takes_bag(resimulate)
     _takes_changes(resimulate, "set a key throughout the run, such as wheel_1.damage.h=0.001 or track.spacing=0.65")
     resimulate.add_argument("--out", type=Path, metavar="BAG", help="record the new run: FILE.mcap, or a bag folder")
+    resimulate.add_argument(
+        "--most-steps", type=int, metavar="N", help="steps without samples to simulate, as before the bag (1e8)"
+    )
     _takes_json(resimulate)
     resimulate.set_defaults(command=_resimulate)
 
@@ -354,7 +358,7 @@ def _add_resimulate(commands: _Commands) -> None:
 def _resimulate(options: argparse.Namespace) -> int:
     from .resimulate import run_resimulate
 
-    return run_resimulate(options.bag, options.set, options.out, json=options.json)
+    return run_resimulate(options.bag, options.set, options.out, options.most_steps, json=options.json)
 
 
 def _add_recover(commands: _Commands) -> None:

@@ -33,6 +33,8 @@ def info(bag: Path, *, json: bool) -> int:
         console.print(table)
     for loss in found.losses:
         console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
+    for what in found.unchecked:
+        console.print(f"not checked: {what}", highlight=False, soft_wrap=True)
     return 0
 
 
@@ -82,6 +84,7 @@ def as_mapping(found: Overview) -> dict[str, Any]:
             for revision in found.revisions
         ],
         "gaps": [asdict(gap) for gap in found.gaps],
+        "not_checked": [*found.unchecked],
         "damage": [asdict(loss) for loss in found.losses if not isinstance(loss, Gap)],
     }
 

@@ -119,6 +119,16 @@ def read(owner: type[T], data: Any, where: str) -> T:
         raise InputError(f"{where}: {refusal}") from None
 
 
+def keyed(value: Any, where: str, what: str = "scenario keys") -> Mapping[str, Any]:
+    """``value`` as a mapping whose keys are text; raises InputError that says ``what`` they are."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{where} = {value!r} is not a mapping of {what}")
+    for key in value:
+        if not isinstance(key, str):
+            raise InputError(f"{where}: {key!r} is not a text, and {what} are")
+    return value
+
+
 def plain(value: Any) -> Any:
     """Mappings, lists and numbers that ``read`` turns into an equal ``value``."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -200,7 +210,7 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
     if isinstance(data, Mapping) and kinds:
         if "type" not in data:
             raise InputError(f"{where}.type is missing: known are {', '.join(kinds)}")
-        if data["type"] not in kinds:
+        if not isinstance(data["type"], str) or data["type"] not in kinds:
             raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
     members = [kind for kind in arguments if kind is not type(None)]

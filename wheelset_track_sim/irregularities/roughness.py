@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError, warn
+from ..errors import InputError, doubt, warn
 from ..inputs import shipped
 from ..inputs.schema import Quantity, quantity
 from ..inputs.tables import read_table
@@ -115,7 +115,8 @@ class Roughness:
             units = (("cm", 1e-2), ("mm", 1e-3))
             alike = [name for name, size in units if _covered(size * wavelength, self.shortest, self.longest) > COVERED]
             hint = f"give wavelengths in m, if these are in {alike[0]}, or" if alike else "give"
-            raise InputError(f"{words}: {hint} a spectrum over the band, or a band within it")
+            doubt(f"{words}: {hint} a spectrum over the band, or a band within it")
+            return
         missing = [
             f"{low:g} to {high:g} m"
             for low, high in ((self.shortest, wavelength[0]), (wavelength[-1], self.longest))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..bags import Bag, Loss, RunInfo, State
 from ..bags.irregularities_text import listed_irregularities
-from ..errors import InputError
+from ..errors import InputError, recorded_input
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
@@ -342,6 +342,7 @@ def _in_force(driven: Mapping[int, _Driven], states: Iterable[State], info: RunI
 
 def _read(text: str) -> Scenario | None:
     try:
-        return scenario_from(parse(text, "scenario of the bag"))
+        with recorded_input():
+            return scenario_from(parse(text, "scenario of the bag", trusted=False))
     except InputError:
         return None

@@ -19,13 +19,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from ..bags.bag_writer import PREFIX
 from ..bags.playback.recorded_bag import Played, RecordedBag
 from ..bags.playback.selection import Selection
-from ..bags.playback.stamps import Restamping, stamp_of, with_stamp
+from ..bags.playback.stamps import Restamping, stamp_of, stampable, with_stamp
 from ..bags.topics import Topic
-from ..errors import InputError, WheelsetTrackError
+from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..live.player import Player
 from .acknowledged import wait_for_subscribers
 from .answers import answer_always
@@ -151,7 +152,7 @@ class ReplayNode(Node):  # type: ignore[misc]
             self._restamping.restart()
         for message in self.selection.held_at(begin_ns):
             cdr = message.cdr
-            if self._restamping is not None and self._topics[message.topic].stamped:
+            if self._restamping is not None and self._topics[message.topic].stamped and stampable(cdr):
                 cdr = with_stamp(cdr, self._origin_ns + played_ns)
             self._outlets[message.topic].publish(cdr)
 
@@ -161,10 +162,10 @@ class ReplayNode(Node):  # type: ignore[misc]
         cdr, due_ns = message.cdr, message.time_ns
         if self._restamping is not None:
             due_ns = self._origin_ns + played_ns
-            if topic.stamped:
+            if topic.stamped and stampable(cdr):
                 cdr = self._restamping.apply("" if topic.kind else topic.name, cdr, due_ns)
         if self.parameters["publish_clock"] and self.selection.leading in (None, message.topic):
-            span = self.selection.span_ns(message)
+            span = self.selection.span_ns(message) if stampable(cdr) else 0
             self._time.tell(max(due_ns, stamp_of(cdr) + span) if span else due_ns)
         self._outlets[message.topic].publish(cdr)
         self._report_damages()
@@ -223,6 +224,8 @@ def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
                     time.sleep(ANSWER_TIME)
             finally:
                 node.close()
+    if failure is not None and not isinstance(failure, WheelsetTrackError):
+        raise RecordingError(f"{given.get('bag', 'the bag')} cannot be played further: {failure!r}") from failure
     if failure is not None:
         raise failure
     return 0
@@ -236,6 +239,10 @@ def _hindrance(topic: Topic) -> str:
         message_type(topic.type)
     except (ImportError, AttributeError):
         return f"{topic.type} is not installed"
+    try:
+        validate_full_topic_name(topic.name)
+    except InvalidTopicNameException as reason:
+        return " ".join(str(reason).split())
     return ""
 
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from ..errors import InputError
 from ..inputs import units
-from ..inputs.schema import unknown
+from ..inputs.schema import keyed, unknown
 from ..report.figures import COLOURS, new_figure
 from . import drawing
 from .axes import Axis, Point
@@ -40,6 +40,9 @@ class Panel:
     title: str = ""
     at: Any = field(default_factory=dict)
     """Axes with the value or label at which the panel looks."""
+
+    def __post_init__(self) -> None:
+        keyed(self.at, "at", "axes with their values")
 
 
 @dataclass(frozen=True)

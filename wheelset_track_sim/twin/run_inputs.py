@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..bags import Bag
 from ..bags.run_info import Input, in_order
-from ..errors import InputError, RecordingError
+from ..errors import InputError, RecordingError, recorded_input
 from ..inputs.yaml12 import parse
 from ..scenario import WHEELS, Scenario, override, scenario_from
 from ..scenario.values import first_breakout, values_of, with_values
@@ -70,16 +71,20 @@ def with_settings(scenarios: Sequence[Scenario], settings: Sequence[str]) -> lis
         places = [number for number, scenario in enumerate(scenarios) if _has(scenario, key)]
         if not places:
             raise InputError(f"--set {key}: {_missing(scenarios, key)}")
-        scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
+        with nullcontext() if key.startswith("irregularities") else recorded_input():
+            scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
     return [*scenarios]
 
 
 def _change(bag: Bag, of: Input) -> RecordedChange:
     try:
-        data = parse(of.scenario, "it")
+        data = parse(of.scenario, "it", trusted=False)
+        if not isinstance(data, dict):
+            raise InputError("it is not a mapping of scenario keys")  # noqa: TRY301
         if bag.info.versions.get("wheelset_track_sim", "").startswith("0.1."):
             data = {"settle_on": "smooth"} | data  # as every run of that version did
-        return RecordedChange(of.revision, of.step, scenario_from(data))
+        with recorded_input():
+            return RecordedChange(of.revision, of.step, scenario_from(data))
     except InputError as refusal:
         raise RecordingError(
             f"{bag.path}: scenario of revision {of.revision} cannot be used here ({refusal})"
