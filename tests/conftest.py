@@ -20,6 +20,16 @@ settings.register_profile("search", deadline=None, max_examples=2000)
 settings.load_profile("same")
 
 
+EXPENSIVE = {"reduced_x40", "ring", "reduced"}
+"""Fixtures that build models of many finite elements; what uses them is slow, whichever case comes first."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if isinstance(item, pytest.Function) and EXPENSIVE.intersection(item.fixturenames):
+            item.add_marker(pytest.mark.slow)
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip what needs ROS where there is none. It is looked for and not imported, so that collecting stays quick."""
     for name in ("rclpy", "wheelset_track_msgs") if item.get_closest_marker("ros") else ():

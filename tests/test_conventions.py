@@ -109,6 +109,7 @@ def test_keys_of_the_manifests_are_those_that_rosdep_resolves():
         assert row["from"] != "ros" or row["installs"] == f"ros-jazzy-{key.replace('_', '-')}", key
 
 
+@pytest.mark.slow
 def test_every_import_has_its_dependency_and_every_dependency_is_imported():
     listed = {item.text for item in ET.parse(ROOT / "package.xml").getroot().findall("exec_depend")}
     config = ConfigParser()

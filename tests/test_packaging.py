@@ -142,6 +142,7 @@ def metadata(tree, **env):
     return email.message_from_string((tree / "made" / name / "METADATA").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_description_has_no_link_that_needs_the_repository(tree):
     found = metadata(tree, WHEELSET_TRACK_SIM_REPOSITORY="")
     assert found["Requires-Python"] == ">=3.10"
@@ -152,6 +153,7 @@ def test_description_has_no_link_that_needs_the_repository(tree):
     assert re.findall(r"\]\((https?:[^)]+)\)", text) == re.findall(r"\]\((https?:[^)]+)\)", README)
 
 
+@pytest.mark.slow
 def test_description_has_absolute_links_if_the_repository_is_known(tree):
     home = "https://example.org/owner/name"
     found = metadata(tree, WHEELSET_TRACK_SIM_REPOSITORY=home)

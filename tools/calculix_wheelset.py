@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.shipped import table_text
 from wheelset_track_sim.samples.principal import maximum_principal
-from wheelset_track_sim.wheelset.harmonic_elements import solid_mass
+from wheelset_track_sim.wheelset.harmonics import GRAVITY, total_mass
 from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, surface_radius, wheelset_mesh
 from wheelset_track_sim.wheelset.section_mesh import RESOLUTION
@@ -39,6 +39,8 @@ SIZE = MeshSize(axle=0.05, radial=0.045, fillet=0.008, attached=0.05)
 SECTORS = 6
 MODES = 40
 OUTPUT = "*NODE FILE, NSET=WANTED\nU\n*EL FILE, NSET=WANTED\nS\n"
+GRAVITY_STEP = f"*STEP\n*STATIC\n*CLOAD, OP=NEW\n*DLOAD\nSOLID, GRAV, {GRAVITY}, 0., 0., -1.\n{OUTPUT}*END STEP\n"
+"""The wheelset hung up in its suspension under its own weight; axle boxes, which make no stress, are left out."""
 LOWEST = 1.0
 """Hz; below is the motion along the axle, which no vertical force excites."""
 
@@ -86,7 +88,8 @@ def by_calculix(
     watched = _watched(wheelset, solid, size)
     with tempfile.TemporaryDirectory() as folder:
         free = _solved(Path(folder), "modes", _deck(wheelset, solid, watched, _frequency(modes)), ccx)
-        loads = _deck(wheelset, solid, watched, "".join(_static(solid, wheelset, wheel) for wheel in range(2)))
+        steps = [*(_static(solid, wheelset, wheel) for wheel in range(2)), GRAVITY_STEP]
+        loads = _deck(wheelset, solid, watched, "".join(steps))
         static = _solved(Path(folder), "static", loads, ccx)
         frequencies = frequencies_of(free.with_suffix(".dat"))
         shapes, statics = results_of(free.with_suffix(".frd")), results_of(static.with_suffix(".frd"))
@@ -110,7 +113,7 @@ def written(
     for node in wheelset.stress_nodes:
         # Of the nodes in a fillet, the one that is stressed most under equal loads.
         places = np.array(watched[node.name])
-        both = np.array([sum(static.stress[place] for static in statics) for place in places])
+        both = np.array([sum(static.stress[place] for static in statics[:2]) for place in places])
         place = int(places[maximum_principal(both).argmax()])
         position = solid.points[place]
         nodes.append(
@@ -119,19 +122,18 @@ def written(
                 "position": position.tolist(),
                 "diameter": 2 * float(surface_radius(wheelset, position[1:2])[0]),
                 "modal": table_text(np.array([shape.stress[place] for shape in shapes])),
-                "static": table_text(np.array([static.stress[place] for static in statics])),
+                "static": table_text(np.array([static.stress[place] for static in statics[:2]])),
+                "own_weight": statics[2].stress[place].tolist(),
             }
         )
     return {
         "imported": 1,
         "name": f"{wheelset.name}_calculix",
         "rolling_radius": wheelset.rolling_radius,
-        "mass": solid_mass(wheelset_mesh(wheelset), material)
-        + 2 * wheelset.axle_boxes.mass
-        + sum(item.mass for item in wheelset.masses),
+        "mass": total_mass(wheelset, wheelset_mesh(wheelset)),
         "contacts": [*wheelset.contact_positions],
         "suspension_damping": wheelset.axle_boxes.damping,
-        "static_lift": table_text(np.array([[static.lift[place] for static in statics] for place in contacts])),
+        "static_lift": table_text(np.array([[static.lift[place] for static in statics[:2]] for place in contacts])),
         "torque_places": [{"name": item.name, "y": item.y} for item in wheelset.equipment]
         + ([{"name": "gearbox", "y": wheelset.gearbox.y}] if wheelset.gearbox else []),
         "modes": {

@@ -9,24 +9,35 @@ LONGEST = 2000
 
 
 class WheelsetTrackError(Exception):
-    """Base of all errors raised on purpose by this package; the command line ends with status 1."""
+    """Base of all errors raised on purpose by this package; the command line ends with status 1.
+
+    The message is one line. It may quote what comes from files or over a network: characters that cannot be printed are
+    escaped (``printable``), and a message that is longer than ``LONGEST`` loses its middle.
+    """
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(_line(str(message)))
 
 
 class InputError(WheelsetTrackError, ValueError):
     """Input that cannot be used; the command line ends with status 2.
 
-    The message is one line: quantity, value, limit and remedy. What is refused may come over a network: of its
-    characters those that cannot be printed are escaped, and a message that is longer than ``LONGEST`` loses its middle.
+    The message names quantity, value, limit and remedy.
     """
-
-    def __init__(self, message: str) -> None:
-        super().__init__(_line(message))
 
 
 class InputWarning(UserWarning):
-    """Input that is used although it looks wrong: a line like that of InputError, with the remedy.
+    """Input that is used although it looks wrong: one line like that of InputError, with the remedy.
 
-    The command line prints it on standard error and goes on; ``--json`` lists it in ``"warnings"``.
+    The command line prints the line on standard error and continues; ``--json`` lists it in ``"warnings"``. In Python,
+    filter it like every warning.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", InputWarning)  # stop at what looks wrong
+    ...     scenario = load_scenario("undamaged")
     """
 
 
@@ -35,8 +46,17 @@ def warn(message: str) -> None:
     warnings.warn(_line(message), InputWarning, stacklevel=3)
 
 
+def printable(text: str) -> str:
+    """Text in one line that does nothing to a terminal, whatever file or network it comes from.
+
+    Characters that cannot be printed are escaped as in Python: control characters, those that change the direction of
+    text, and bytes of file names that are not UTF-8.
+    """
+    return text if text.isprintable() else "".join(each if each.isprintable() else repr(each)[1:-1] for each in text)
+
+
 def _line(message: str) -> str:
-    line = "".join(each if each.isprintable() else repr(each)[1:-1] for each in message)
+    line = printable(message)
     half = (LONGEST - 5) // 2
     return line if len(line) <= LONGEST else f"{line[:half]} ... {line[-half:]}"
 

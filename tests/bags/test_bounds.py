@@ -76,6 +76,7 @@ def test_each_file_begins_with_the_state_in_force(record, make_block, make_state
     assert [state.first_step // SAMPLES for state in read_bag(path).states] == [0, 7, 20, 33, 40]
 
 
+@pytest.mark.slow
 def test_the_oldest_files_go_first_and_the_metadata_stay_true(record):
     path = record(200, revised=(100,), max_duration=1.0, max_total_size=24_000_000)
     told = metadata(path)
@@ -107,6 +108,7 @@ def test_the_oldest_files_go_first_and_the_metadata_stay_true(record):
         assert part.states[0].first_step == part.steps[0]
 
 
+@pytest.mark.slow
 def test_a_bound_on_all_is_enough(record):
     path = record(150, max_total_size=10_000_000)
     assert len(files_of(path)) >= 4

@@ -58,6 +58,7 @@ def assert_nothing_is_wrong(path, made):
     return len(found)
 
 
+@pytest.mark.slow
 def test_truncated_at_any_byte(tmp_path, whole):
     content, made = whole
     path = tmp_path / "run.mcap"
@@ -70,6 +71,7 @@ def test_truncated_at_any_byte(tmp_path, whole):
     assert set(kept) == set(range(CHUNKS + 1))
 
 
+@pytest.mark.slow
 def test_any_bit_flipped(tmp_path, whole):
     content, made = whole
     path = tmp_path / "run.mcap"
@@ -81,6 +83,7 @@ def test_any_bit_flipped(tmp_path, whole):
     assert set(kept) == {CHUNKS - 1, CHUNKS}
 
 
+@pytest.mark.slow
 def test_a_flip_in_the_first_bytes_loses_no_samples(tmp_path, whole):
     """Magic, header and metadata stand outside of chunks, and the metadata have a checksum of their own."""
     content, made = whole

@@ -58,6 +58,7 @@ def test_the_summary_has_the_last_turn(tmp_path, run_info, make_block):
     assert after.turn_max_principal.tolist() == [7e7, 8e7, 9e7]
 
 
+@pytest.mark.slow
 def test_run_records_the_impacts_that_are_in_its_forces(tmp_path, capsys):
     assert run("damage_wheel_1", [], 0.25, tmp_path / "run.mcap", json=True) == 0
     capsys.readouterr()

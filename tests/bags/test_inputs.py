@@ -50,6 +50,7 @@ def test_the_record_of_a_run_comes_back_whole() -> None:
     assert {"sources", "numpy", "blas", "cpu"} < versions().keys()
 
 
+@pytest.mark.slow
 def test_all_changes_are_told_also_those_at_one_step() -> None:
     simulator = Simulator(load_scenario("damage_wheel_1"))
     simulator.advance(500)

@@ -34,6 +34,7 @@ def assert_part(found, whole, part):
 
 @given(first=st.integers(0, STEPS - 1), count=st.integers(1, STEPS))
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@pytest.mark.slow
 def test_any_steps(bag, whole, first, count):
     found = read_bag(bag, steps=(first, first + count))
     assert_part(found, whole, slice(first, first + count))
@@ -43,6 +44,7 @@ def test_any_steps(bag, whole, first, count):
 
 @given(start=st.floats(0, 0.03), length=st.floats(1e-4, 0.04))
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@pytest.mark.slow
 def test_any_time(bag, whole, start, length):
     held = (whole.time >= start) & (whole.time < start + length)
     assert_part(read_bag(bag, start=start, stop=start + length), whole, held)

@@ -169,6 +169,7 @@ def long_bag(request, tmp_path, run_info, make_block, make_state):
     return path, blocks
 
 
+@pytest.mark.slow
 def test_split_bounded_and_snapshot_bags_bit_by_bit_in_all_readers(long_bag):
     path, blocks = long_bag
     files = sorted(path.glob("*.mcap"), key=lambda file: int(file.stem.rpartition("_")[2]))

@@ -77,6 +77,7 @@ def test_what_is_around_an_impact_is_a_bag_of_its_own(start, blocks, make_state,
         assert (path / "metadata.yaml").exists()
 
 
+@pytest.mark.slow
 def test_each_opens_in_other_readers(start, blocks, make_state):
     with start(snapshot_duration=0.5) as writer:
         run(writer, blocks, make_state, range(80), {40})
@@ -148,6 +149,7 @@ def test_no_snapshot_has_a_gap(start, blocks, make_state):
     assert read_bag(path).steps[0] == 25 * SAMPLES
 
 
+@pytest.mark.slow
 def test_the_oldest_go_first(start, blocks, make_state):
     with start(snapshot_duration=0.5, snapshot_after=0.3, max_total_size=10_000_000) as writer:
         run(writer, blocks, make_state, range(200), {20, 60, 100, 140, 180})

@@ -33,6 +33,7 @@ def test_pandas_has_a_row_for_each_step(recording):
     assert (frame.attrs["scenario"], frame.attrs["start_ns"]) == ("undamaged", START_NS)
 
 
+@pytest.mark.slow
 def test_xarray_has_names_for_everything(recording):
     pytest.importorskip("xarray")
     data = recording.to_xarray()

@@ -72,6 +72,7 @@ def test_the_cache_is_listed_and_cleared(environment: dict[str, str], tmp_path: 
     assert cache(environment)["size_bytes"] == 0
 
 
+@pytest.mark.slow
 def test_a_kind_that_is_not_known_is_refused(environment: dict[str, str]) -> None:
     done = python(environment, "-m", "wheelset_track_sim", "cache", "--clear", "tracks")
     assert done.returncode == 2
@@ -81,6 +82,7 @@ def test_a_kind_that_is_not_known_is_refused(environment: dict[str, str]) -> Non
     )
 
 
+@pytest.mark.slow
 def test_every_kind_of_model_is_described() -> None:
     calls = [
         node

@@ -21,6 +21,7 @@ def resimulate(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[
     return status, capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_run_is_told_to_be_bit_identical(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
     status, text = resimulate(capsys, bag)
     assert status == 0

@@ -19,6 +19,7 @@ speed_plan:
 """
 
 
+@pytest.mark.slow
 def test_each_change_of_a_speed_plan_is_in_the_bag_with_its_step(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -39,6 +40,7 @@ def test_each_change_of_a_speed_plan_is_in_the_bag_with_its_step(
     assert (again.first_step, again.speed_set_point) == (int(read_bag(tmp_path / "run" / "run_1.mcap").steps[0]), 25.5)
 
 
+@pytest.mark.slow
 def test_snapshots_of_impacts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["run", "damage_wheel_1", "--duration", "1.5", "--out", str(tmp_path / "run"), "--snapshots", "0.2"]
     assert main(arguments) == 0

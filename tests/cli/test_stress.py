@@ -14,6 +14,7 @@ from wheelset_track_sim.twin.measured import read_measurement
 EXAMPLE = ROOT / "config" / "measured" / "synthetic_wayside.csv"
 
 
+@pytest.mark.slow
 def test_stresses_are_told_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "stress.csv"
     assert main(["stress", str(EXAMPLE), "--nodes", "A1,C1", "--out", str(out), "--json"]) == 0
@@ -26,6 +27,17 @@ def test_stresses_are_told_and_written(tmp_path: Path, capsys: pytest.CaptureFix
     np.testing.assert_allclose(written.at, measured.at, atol=1e-6)
     # What the file has as strain-derived stress, and what its forces alone make of the axle.
     assert np.corrcoef(written.signals["A1_yy"][200:], measured.signals["A1_yy"][200:])[0, 1] > 0.98
+
+
+def test_own_weight_takes_its_part(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of the X40 at any load 5.1 to 6.9 MPa; an imported wheelset has it by its file."""
+    found = []
+    for arguments in ([], ["--own-weight"]):
+        assert main(["stress", str(EXAMPLE), *arguments, "--json"]) == 0
+        nodes = json.loads(capsys.readouterr().out)["nodes"].values()
+        found.append(np.array([node["max_principal_Pa"] for node in nodes]))
+    assert found[0] - found[1] == pytest.approx([5.14e6, 6.91e6, 5.42e6], rel=0.01)
+    assert main(["stress", str(EXAMPLE), "--wheelset", "trailer_calculix", "--own-weight", "--json"]) == 0
 
 
 def test_a_bag_of_stresses_is_one_like_any_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

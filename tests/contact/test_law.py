@@ -76,6 +76,7 @@ def test_tables_are_the_solver_without_its_cost(law, plain, where, force, compli
     assert contact_force(plain, *where, 0, approach, compliance) == pytest.approx(tabulated, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_smooth_treads_share_one_table_and_both_wheels_theirs(law):
     assert (law.table >= 0).all()
     assert (law.table[0, 100:-100] == 0).all()
@@ -105,6 +106,7 @@ def test_loss_of_contact_is_exact(law):
             assert 0 < contact_force(law, 0, tread, 0, touch + 1e-12, compliance) < 0.1
 
 
+@pytest.mark.slow
 def test_compliance_is_a_spring_in_series(law, plain):
     approach, compliance = 1.6e-3, 3e-10
     for each in (law, plain):
@@ -223,6 +225,7 @@ def passage(law, first, steps, forces):
             forces[step, wheel] = contact_force(law, wheel, step, step, 1.2e-4 + 2e-5 * np.sin(0.05 * step), 1e-10)
 
 
+@pytest.mark.slow
 def test_chunks_do_not_change_a_bit():
     def run(chunk):
         law = build_contact_law(DEFECTS, GEOMETRY, DX, N_C, tables=False)
@@ -238,6 +241,7 @@ def test_chunks_do_not_change_a_bit():
         assert (run(chunk) == whole).all()
 
 
+@pytest.mark.slow
 def test_nan_stays_nan_and_python_raises():
     law = build_contact_law(DEFECTS[:1], GEOMETRY, 2 * DX, N_C // 2)  # an approach beyond its border is solved quickly
     assert np.isnan(contact_force(law, 0, 0, 0, np.nan, 0.0))
@@ -268,6 +272,7 @@ def test_senseless_grids_are_refused(change, words):
         build_contact_law(**given)
 
 
+@pytest.mark.slow
 def test_a_change_of_one_defect_builds_no_table_of_another(tmp_path, monkeypatch):
     monkeypatch.setenv("WHEELSET_TRACK_SIM_CACHE", str(tmp_path))
     built = []

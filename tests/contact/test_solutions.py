@@ -23,6 +23,7 @@ def law(number):
 @example(1, -21, 14116.365714709093)
 @example(1, 18, 108461.94306435663)
 @example(2, 293, 269318.725199201)
+@pytest.mark.slow
 def test_a_contact_bears_the_force_of_its_approach(number, step, force):
     approach = approach_for_force(law(number), 0, step, 0, force)
     assert force_at(law(number), 0, step, 0, approach) == pytest.approx(force, rel=1e-9)

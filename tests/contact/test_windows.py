@@ -40,6 +40,7 @@ def test_a_defect_of_a_rail_has_tables_like_one_of_a_tread():
         assert found == pytest.approx(90e3, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_where_both_have_something_the_contact_is_solved_and_is_right():
     shapes = (Breakout("wheel_1", 0.010, 0.008, 0.0004), Squat("rail_1", 3.0, 0.012, 0.008, 0.0003))
     law, plain = law_of(*shapes), law_of(*shapes, tables=False)
@@ -54,6 +55,7 @@ def test_where_both_have_something_the_contact_is_solved_and_is_right():
     )
 
 
+@pytest.mark.slow
 def test_waves_of_whole_steps_have_tables_and_their_ramps_are_solved():
     law = law_of(Corrugation("rail_1", wavelength=0.040, amplitude=1.5e-5, start=1.0, length=4.0, ramp=0.5))
     core = law.rail_table[0, 1600:4400]
@@ -67,6 +69,7 @@ def test_waves_of_whole_steps_have_tables_and_their_ramps_are_solved():
     assert (law_of(DippedWeld("rail_1", 3.0, depth=0.0003)).rail_table[0, 2600:3400] == -1).all()
 
 
+@pytest.mark.slow
 def test_a_short_deep_shape_has_all_its_tables():
     assert (law_of(Flat("wheel_1", 0.060)).table >= 0).all()
     assert (law_of(Roughness("wheel_1")).table[0] == -1).all()

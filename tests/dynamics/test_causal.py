@@ -35,6 +35,7 @@ def stepped(model: CausalModel, steps: int, load: float = LOAD, start: int = 0) 
     return xi, stress
 
 
+@pytest.mark.slow
 def test_statics_of_wheelset_and_stress_stay_for_ever(model: CausalModel) -> None:
     xi, stress = stepped(model, 3000)
     wheels = model.wheelset.static_receptance().sum(axis=1) * LOAD

@@ -28,6 +28,7 @@ def forces_of(scenario: Scenario, steps: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("speed", [15.0, 27.7777778, 55.0])
+@pytest.mark.slow
 def test_equal_supports_give_the_forces_of_causal_dynamics(speed: float) -> None:
     changes = (f"speed={speed}",)
     line, causal = forces_of(on_line(changes=changes), 1200), forces_of(load_scenario("undamaged", changes), 1200)
@@ -35,6 +36,7 @@ def test_equal_supports_give_the_forces_of_causal_dynamics(speed: float) -> None
     assert (line - causal).std() < 0.0005 * STATIC
 
 
+@pytest.mark.slow
 def test_equal_supports_give_the_impact_of_causal_dynamics() -> None:
     line, causal = forces_of(on_line("damage_wheel_1"), 2713), forces_of(load_scenario("damage_wheel_1"), 2713)
     assert line.max(axis=0) == pytest.approx(causal.max(axis=0), rel=0.006)
@@ -43,6 +45,7 @@ def test_equal_supports_give_the_impact_of_causal_dynamics() -> None:
     assert abs(len(lost[0]) - len(lost[1])) <= 1
 
 
+@pytest.mark.slow
 def test_slab_track_gives_the_forces_of_causal_dynamics() -> None:
     line = forces_of(on_line("slab_track", "slab_60e1"), 1300)
     causal = forces_of(load_scenario("slab_track"), 1300)
@@ -59,6 +62,7 @@ def test_a_run_begins_in_equilibrium_wherever_it_begins(step: int) -> None:
     assert deflection == pytest.approx(model.line.compliance([step * 1e-3])[0] * STATIC, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_smooth_wheel_runs_smoothly_in_long_steps() -> None:
     """The contact's stiffness once drove bays whose frequencies reached what their steps bear: by 70 % of the load."""
     changes = ("axle_load=4e5", "speed=5.5", "irregularities=[]")
@@ -75,6 +79,7 @@ def eventful(chunk: int) -> list:
     return blocks + advance_to(simulator, 5000, chunk)
 
 
+@pytest.mark.slow
 def test_any_chunk_length_gives_the_same_bits() -> None:
     whole = eventful(1389)
     assert len({block.speed for block in whole}) > 2
@@ -99,6 +104,7 @@ def test_a_speed_is_the_same_however_it_is_reached() -> None:
     assert np.abs(ends[0] - ends[1]).max() < 20.0
 
 
+@pytest.mark.slow
 def test_force_is_continuous_where_the_speed_changes() -> None:
     """Against the same run without the change: the difference has no jump where the speed has one."""
     plain, changing = (Simulator(on_line(scatter={"ballast_stiffness": 0.3})) for _ in range(2))
@@ -143,12 +149,14 @@ def test_a_hanging_sleeper_is_felt_and_holds_nothing_up() -> None:
 
 
 @pytest.mark.parametrize("name", ["hanging_sleeper", "stiffness_transition", "scattered_support", "slab_track"])
+@pytest.mark.slow
 def test_shipped_scenarios_run(name: str) -> None:
     forces = forces_of(load_scenario(name), 26 * 600)
     assert forces.min() > 0.8 * STATIC
     assert 2e3 < np.ptp(forces) < 0.2 * STATIC
 
 
+@pytest.mark.slow
 def test_what_steps_cannot_follow_is_refused() -> None:
     with pytest.raises(InputError, match=r"track\.line cannot be followed in paper dynamics"):
         Simulator(on_line(changes=("dynamics=paper",)))

@@ -34,6 +34,7 @@ def test_constant_forces_give_the_static_stress(wheelset: ReducedWheelset, one: 
         pytest.param(1919.0, 4e-5, marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.slow
 def test_a_steady_wave_gives_the_stress_receptance(wheelset: ReducedWheelset, frequency: float, dt: float) -> None:
     """Independent of any step: the frequency response of the same poles."""
     time = np.arange(round(4.0 / dt)) * dt
@@ -48,6 +49,7 @@ def test_a_steady_wave_gives_the_stress_receptance(wheelset: ReducedWheelset, fr
     assert np.abs(steady - lower * expected).max() < 0.004 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_the_forces_of_a_simulation_give_its_stresses(wheelset: ReducedWheelset) -> None:
     """But for what rang at the start; the simulation lets modes of 5e-4 of the static stress answer at once."""
     block = Simulator(load_scenario("damage_wheel_1")).advance(40000)
@@ -66,6 +68,7 @@ def test_nodes_are_chosen_by_name(wheelset: ReducedWheelset) -> None:
     np.testing.assert_allclose(some, every[:, [wheelset.node("C1"), wheelset.node("A1")]], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_finer_record_of_the_same_forces_gives_the_same_stress(wheelset: ReducedWheelset) -> None:
     time = np.arange(40000) * 2.5e-5
     push = 1e5 + 8e4 * np.exp(-(((time - 0.3) / 2e-3) ** 2))

@@ -47,7 +47,16 @@ def test_options_are_all_there() -> None:
         actions = _parser()._subparsers._group_actions[0].choices[command]._actions
         options |= {action.option_strings[0] for action in actions if action.option_strings}
     named = set(re.findall(r"`(--\w+)[ `=]", "".join(rows("Measured loads"))))
-    assert named == options - {"-h", "--json", "--threshold", "--wheelset", "--nodes", "--speed", "--out"}
+    assert named == options - {
+        "-h",
+        "--json",
+        "--threshold",
+        "--wheelset",
+        "--nodes",
+        "--speed",
+        "--out",
+        "--own-weight",
+    }
 
 
 def test_limits_are_those_of_the_code() -> None:

@@ -41,6 +41,7 @@ def kind(installed, monkeypatch):
         cached.cache_clear()
 
 
+@pytest.mark.slow
 def test_it_works_in_scenarios_and_changes_and_carries_its_package_in_text(kind):
     scenario = load_scenario("undamaged", [f"irregularities=[{BURN}]", "irregularities.0.width=0.02"])
     [burn] = scenario.irregularities
@@ -56,6 +57,7 @@ def test_it_works_in_scenarios_and_changes_and_carries_its_package_in_text(kind)
         load_scenario("undamaged", ["irregularities=[{type: wheel_bun}]"])
 
 
+@pytest.mark.slow
 def test_a_result_of_a_study_is_of_one_version_of_the_kind(kind, installed):
     job = Job(load_scenario("undamaged", [f"irregularities=[{BURN}]"]), 0.1, 0.1, ("wheels.wheel_1.max_force",))
     before, source = job.digest(), installed / "wheel_burn.py"

@@ -57,6 +57,7 @@ def test_a_passage_that_is_not_whole_is_not_compared_with_the_paper(bags, tmp_pa
     assert survey(without(bags[0], tmp_path / "other.mcap", slice(1389, 2778))).passage is None
 
 
+@pytest.mark.slow
 def test_page_and_terminal_name_what_is_missing(bags, tmp_path, capsys):
     assert main(["report", str(bags[1]), "--out", str(tmp_path / "page.html")]) == 0
     assert "lost: steps 2778 to 5555 are missing (0.1 s)" in capsys.readouterr().out

@@ -338,3 +338,62 @@ def test_parameters_one_by_one_atomically_and_from_a_file_at_the_start(start, cl
     assert client.get("speed", "wheel_2.damage.y") == [32.0, 0.03]
     assert client.set(atomically=True, speed=32.0).reason == ""  # nothing new is no revision
     assert_gap_free(forces)
+
+
+def test_changes_and_refusals_are_logged_by_whatever_means_they_come(start, client, services, forces, states):
+    from std_msgs.msg import Float64
+
+    node = start(scenario="undamaged")
+    topic = client.node.create_publisher(Float64, f"{client.name}/cmd/speed", 1)
+    client.until(lambda: forces and states and topic.get_subscription_count())
+    accepted = services.speed(29.0)
+    assert not services.speed(1e6).success
+    assert not services.trigger("stop_recording").success
+    topic.publish(Float64(data=28.0))
+    client.until(lambda: states[-1].revision == 2)
+    topic.publish(Float64(data=-1.0))
+    assert client.set(speed=27.0).successful
+    assert not client.set(wheel_1__damage__h=0.5).successful
+    end(node)
+    logged = node.errors + node.output
+    assert f"set_speed: revision 1 from step {accepted.step}" in logged
+    assert "set_speed is refused: speed = 1e+06 m/s is out of range" in logged
+    assert "stop_recording is refused: nothing is being recorded" in logged
+    assert "~/cmd/speed: revision 2 from step " in logged
+    assert "~/cmd/speed is refused: speed = -1 m/s is out of range" in logged
+    assert "parameters: revision 3 from step " in logged
+    assert "parameters are refused: " in logged
+    assert "wheel_1.damage.h" in logged
+
+
+def test_a_storm_of_requests_is_answered_whole(start, make_client):
+    """Three clients send 200 requests during a change that takes long; those that find no room are told so."""
+    from rclpy.qos import QoSProfile
+    from wheelset_track_msgs.srv import SetIrregularities, SetSpeed
+
+    from wheelset_track_sim.ros.turns import BUSY
+
+    node = start(scenario="undamaged")
+    clients = [make_client(f"client_{number}") for number in range(3)]
+    forces = clients[0].collect("contact_forces", "ContactForces")
+    clients[0].until(lambda: forces)
+    changes = clients[0].node.create_client(SetIrregularities, f"{clients[0].name}/set_irregularities")
+    speeds = [
+        each.node.create_client(SetSpeed, f"{each.name}/set_speed", qos_profile=QoSProfile(depth=200))
+        for each in clients
+    ]
+    assert all(each.wait_for_service(20.0) for each in (changes, *speeds))
+    flats = [f"{{type: flat, on: wheel_1, length: {0.03 + 0.005 * n}, angle: {n}}}" for n in range(5)]
+    long = changes.call_async(SetIrregularities.Request(irregularities=f"[{', '.join(flats)}]"))
+    sent = [
+        (client, speeds[client].call_async(SetSpeed.Request(speed=20.0 + 0.01 * number)))
+        for number, client in enumerate([0, 1, 2] * 66 + [0, 1])
+    ]
+    clients[0].until(lambda: all(answer.done() for _, answer in sent))
+    assert long.result().success
+    for client in range(3):
+        answers = [answer.result() for by, answer in sent if by == client]
+        accepted = [answer.revision for answer in answers if answer.success]
+        assert accepted == sorted(accepted)  # in the order in which they were sent
+        assert {answer.message for answer in answers if not answer.success} <= {BUSY}
+    end(node)

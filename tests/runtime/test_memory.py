@@ -22,6 +22,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="of the GNU C library")
+@pytest.mark.slow
 def test_a_chunk_uses_the_memory_of_the_one_before() -> None:
     faults = [
         int(subprocess.run([sys.executable, "-c", USE.format(call=call)], capture_output=True, check=True).stdout)

@@ -31,6 +31,7 @@ def modules(folder: Path) -> dict[str, Path]:
     return found
 
 
+@pytest.mark.slow
 def test_all_builders_are_listed() -> None:
     calls = {
         name

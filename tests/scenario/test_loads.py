@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.scenario.loads import Loads
+from wheelset_track_sim.wheelset.harmonics import GRAVITY
+from wheelset_track_sim.wheelset.kinds import mass_of
 
 
 def test_without_loads_nothing_is_superposed() -> None:
@@ -38,6 +42,10 @@ def test_loads_come_back_from_their_own_mapping() -> None:
             "loads.torque_plan.1.time = 1 s is not af",
         ),
         ("loads.torque_at=[]", "loads.torque_at is empty"),
+        ("loads.own_weight=1", "loads.own_weight = 1 is not of type bool: give true or false"),
+        ("loads.lateral.wheel_1=3e5", "loads.lateral.wheel_1 = 300000 N is out of range"),
+        ("loads.lateral.wheel_3=1e5", "loads.lateral.wheel_3 is not a known key"),
+        ("loads.horizontal_bending=.nan", "loads.horizontal_bending = nan is not of type bool"),
         ("loads.wheel_1_share=1.5", "wheel_1_share = 1.5 is out of range"),
         ("loads.stresses=[{node: A1, yy: x}]", "loads.stresses.0.yy = 'x' is not a number"),
         (
@@ -50,3 +58,23 @@ def test_bad_loads_are_refused(change: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as refusal:
         load_scenario("undamaged", [change])
     assert "\n" not in str(refusal.value)
+
+
+def test_bending_loads_are_loads() -> None:
+    for change in ("loads.own_weight=true", "loads.lateral.wheel_2=-1"):
+        assert not load_scenario("undamaged", [change]).loads.none
+    for change in ("loads.own_weight=false", "loads.lateral.wheel_2=0", "loads.horizontal_bending=true"):
+        assert load_scenario("undamaged", [change]).loads.none  # there is no torque yet to which rails could react
+
+
+def test_an_axle_load_below_the_own_weight_is_refused() -> None:
+    scenario = load_scenario("undamaged", ["loads.own_weight=true"])
+    boxes = dataclasses.replace(scenario.wheelset.axle_boxes, mass=600.0)
+    heavy = dataclasses.replace(scenario, wheelset=dataclasses.replace(scenario.wheelset, axle_boxes=boxes))
+    weight = GRAVITY * mass_of(heavy.wheelset)
+    assert dataclasses.replace(heavy, axle_load=weight).axle_load > 2e4
+    with pytest.raises(
+        InputError, match=r"axle_load = 26000 N is less than the wheelset weighs alone, 267\d\d N: give"
+    ):
+        dataclasses.replace(heavy, axle_load=2.6e4)
+    assert dataclasses.replace(heavy, axle_load=2.6e4, loads=Loads()).loads.none

@@ -62,6 +62,7 @@ def test_a_cylinder_that_is_moved_takes_its_defects_along():
     np.testing.assert_allclose(total_separation(moved, 0, 0, 0), total_separation(placed, 0, 0, 0), atol=1e-15)
 
 
+@pytest.mark.slow
 def test_mirrored_wheelsets_have_mirrored_contacts():
     defect = Breakout("wheel_1", 0.02, 0.012, 0.0008, y=-0.004)
     one = law_of(geometry_of("worn_profiles", "lateral_offset=0.002"), [defect])

@@ -43,6 +43,7 @@ def run(models, law, chunk, steps=400, raised=1.0):
     return np.concatenate(found)
 
 
+@pytest.mark.slow
 def test_roughness_and_no_bit_by_length_of_chunks(models):
     law = rough(models, 3.0)
     assert (law.table == -1).all()

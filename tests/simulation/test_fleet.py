@@ -43,6 +43,7 @@ def joined(blocks):
     return [np.concatenate([getattr(block, name) for block in blocks]) for name in ("forces", "stresses")]
 
 
+@pytest.mark.slow
 def test_each_gives_the_same_bits_as_alone():
     with Fleet(SCENARIOS, threads=4) as together:
         assert len({id(simulator.models) for simulator in together.simulators}) == 1
@@ -85,6 +86,7 @@ def test_a_change_of_one_is_of_that_one():
         assert (first.revision, second.revision) == (1, 0)
 
 
+@pytest.mark.slow
 def test_models_are_built_once_for_all_and_freed_with_the_last(monkeypatch):
     built = []
     begun = threading.Barrier(4)

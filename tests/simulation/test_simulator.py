@@ -90,6 +90,7 @@ def test_a_stress_node_that_is_named_twice_is_refused() -> None:
         load_scenario("undamaged", ["output.stress_nodes=[A1, B1, A1]"])
 
 
+@pytest.mark.slow
 def test_a_smooth_wheel_runs_smoothly_at_low_speed() -> None:
     """Modes above half the sampling rate once fed the contact through their aliases, at some of these speeds."""
     models = None

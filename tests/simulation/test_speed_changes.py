@@ -46,6 +46,7 @@ def whole() -> list[SampleBlock]:
 
 
 @pytest.mark.parametrize("chunk", [pytest.param(1, marks=pytest.mark.slow), 32])
+@pytest.mark.slow
 def test_any_chunk_length_gives_the_same_bits_through_a_ramp(whole: list[SampleBlock], chunk: int) -> None:
     other = eventful(chunk)
     assert np.array_equal(joined(other), joined(whole))
@@ -84,6 +85,7 @@ def test_an_early_change_meets_the_run_in_the_speed_in_force(whole: list[SampleB
     assert before.speed == after.speed == top
 
 
+@pytest.mark.slow
 def test_a_ramp_takes_its_time_and_its_way() -> None:
     simulator = Simulator(load_scenario("undamaged", ["speed=20", "acceleration=2"]))
     change(simulator, speed=24.0)
@@ -113,6 +115,7 @@ def _known(simulator: Simulator) -> tuple:
     return simulator.course.stretches
 
 
+@pytest.mark.slow
 def test_a_plateau_equals_the_run_at_constant_speed() -> None:
     changed = Simulator(load_scenario("undamaged", ["speed=27", "acceleration=10"]))
     change(changed, speed=25.0)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
-from wheelset_track_sim.scenario.loads import Loads
+from wheelset_track_sim.scenario.loads import Loads, TorquePoint
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.simulation.superposition import TorqueCourse, superposition
 
@@ -38,12 +38,15 @@ def run(smooth: Simulator, loads: dict[str, object]) -> np.ndarray:
     return stresses
 
 
+@pytest.mark.slow
 def test_loads_superpose(smooth: Simulator, unloaded: np.ndarray) -> None:
     """Of press fit, given stress and torque together comes what each of them adds alone."""
     parts: list[dict[str, object]] = [
         {"press_fit": {"wheels": 2.5e-4, "equipment": 2e-4}},
         {"stresses": [{"node": "B1", "yy": 3e7, "xz": -1e6}]},
         {"torque": 9000.0},
+        {"own_weight": True},
+        {"lateral": {"wheel_1": 3e4, "wheel_2": -1e4}},
     ]
     together: dict[str, object] = {}
     for part in parts:
@@ -54,6 +57,20 @@ def test_loads_superpose(smooth: Simulator, unloaded: np.ndarray) -> None:
     assert added[1][:, 1] == pytest.approx(np.tile([0.0, 3e7, 0.0, 0.0, -1e6, 0.0], (STEPS, 1)), abs=1.0)
     assert (added[0][:, :, 1] > 1e7).all()
     assert added[2][:, 0, 3] == pytest.approx(-added[2][:, 2, 3], rel=0.1)  # of both sides of the gearbox
+    assert (added[3][:, :, 1] < -5e6).all()
+    assert (added[4][:, 0, 1] > 1.2 * added[4][:, 1, 1]).all()  # bending is largest at wheel 1
+
+
+def test_what_does_not_change_as_the_axle_turns_is_the_mean(smooth: Simulator, unloaded: np.ndarray) -> None:
+    """Bending is what is left of the stress along the axle; torque has none there."""
+    loads: dict[str, object] = {"press_fit": {"wheels": 2.5e-4}, "stresses": [{"node": "B1", "yy": 3e7}], "torque": 9e3}
+    simulator = Simulator(under(loads), models=smooth.models)
+    along = simulator.advance(STEPS).stresses[:, :, 1] - simulator.constant_stress[:, 1]
+    assert along == pytest.approx(unloaded[:, :, 1], abs=1e4)
+    assert simulator.constant_stress[0, 1] > 1e7
+    for bending in ({}, {"own_weight": True}):  # which a point of the axle sees as tension and compression in turn
+        simulator = Simulator(under(bending), models=smooth.models)
+        assert simulator.constant_stress == pytest.approx(np.zeros((3, 6)), abs=1.0)
 
 
 def test_forces_know_nothing_of_loads(smooth: Simulator) -> None:
@@ -73,6 +90,25 @@ def test_torque_over_time(smooth: Simulator, unloaded: np.ndarray) -> None:
     times = np.arange(STEPS) * smooth.step_period
     expected = per_torque * np.clip((times - 0.005) / 0.010, 0.0, 1.0) * 8000.0
     assert added == pytest.approx(expected, abs=1.0)
+
+
+def test_horizontal_bending_follows_the_torque(smooth: Simulator) -> None:
+    """Nothing but shear on the top; at the front bending that is nothing on the top, in the same axes."""
+    models = smooth.models
+    plan = (TorquePoint(0.0, 0.0), TorquePoint(1.0, 8000.0))
+    twisted, both = (
+        superposition(Loads(torque_plan=plan, horizontal_bending=bent), models.wheelset, models.reduced, ("A1", "B1"))
+        for bent in (False, True)
+    )
+    assert twisted is not None
+    assert both is not None
+    times = np.array([0.0, 0.5, 2.0])
+    added = (both.stresses(times) - twisted.stresses(times)).reshape(2, 6, 3)
+    assert added[:, [0, 1, 2, 5]] == pytest.approx(0.0, abs=1e-3)
+    front = both.of_torque.polar(np.array([np.pi / 2, -np.pi / 2]))[:, 1]
+    # 8 kN m: 18.5 kN on both wheels, 0.28 m from the axle boxes, at B1 on a shaft of 180 mm with a notch.
+    assert 4.4e6 < 8000.0 * front[1, 0] < 8e6
+    assert front[:, 1] == pytest.approx(-front[:, 0])
 
 
 def test_the_same_however_it_is_cut(smooth: Simulator) -> None:
@@ -132,6 +168,9 @@ def test_fixed_loads_do_not_change_during_a_run(smooth: Simulator) -> None:
         ({"press_fit": {"wheels": 1e-4}, "torque_plan": plan}, "loads.press_fit cannot change during a run"),
         ({"torque_plan": plan[:1]}, "loads.torque_plan cannot change"),
         ({"torque": 1.0, "torque_at": ["wheel_1"]}, "loads.torque_at cannot change"),
+        ({"own_weight": True, "torque_plan": plan}, "loads.own_weight cannot change during a run: start a new one"),
+        ({"lateral": {"wheel_1": 1e4}, "torque_plan": plan}, "loads.lateral cannot change"),
+        ({"horizontal_bending": True, "torque_plan": plan}, "loads.horizontal_bending cannot change"),
     ):
         with pytest.raises(InputError, match=message):
             simulator.apply(under(change))

@@ -30,6 +30,7 @@ def found() -> Result:
     return evaluate(job(), program())
 
 
+@pytest.mark.slow
 def test_histories_go_through_a_change_of_speed(found: Result) -> None:
     one = job()
     simulator = Simulator(one.scenario)

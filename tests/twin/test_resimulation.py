@@ -59,6 +59,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return recorded(tmp_path_factory.mktemp("bag") / "run.mcap", Simulator(load_scenario("undamaged")), PLAN, 3 * TURN)
 
 
+@pytest.mark.slow
 def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
     found = resimulate(bag, out=tmp_path / "again.mcap")
     assert found.identical
@@ -117,6 +118,16 @@ def test_other_scenarios_give_the_same_bits_too(tmp_path: Path, scenario: str) -
     assert resimulate(recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 3000)).identical
 
 
+def test_a_run_under_a_vehicle_gives_the_same_bits_and_its_bag_names_the_vehicle(tmp_path: Path) -> None:
+    simulator = Simulator(load_scenario("damage_wheel_1", ["vehicle=power_car", "vehicle.bogie_mass=1500"]))
+    bag = recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 2000)
+    assert set(Bag(bag).info.models) == {"wheelset", "track", "vehicle"}
+    assert resimulate(bag).identical
+    found = resimulate(bag, ["vehicle.bogie_mass=700"])
+    assert not found.identical
+
+
+@pytest.mark.slow
 def test_a_part_of_a_bag_is_simulated_from_the_start_of_its_run(tmp_path: Path) -> None:
     simulator = Simulator(load_scenario("undamaged"))
     with BagWriter(tmp_path / "run", run_info(simulator), start_ns=5) as writer:
@@ -163,6 +174,7 @@ def without_inputs(path: Path, source: Path, first_step: int) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
     """Defect, sleepers and speed are met at the right places: once the unknown state is over both runs agree."""
     source = recorded(
@@ -184,7 +196,7 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_what_would_have_been(bag: Path) -> None:
-    damage = ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"]
+    damage = ["irregularities=[{type: breakout, on: wheel_1, a: 0.03, b: 0.024, h: 0.001}]"]
     deeper = resimulate(bag, [*damage, "settle_on=smooth"])
     assert not deeper.identical
     assert deeper.force is not None
@@ -206,6 +218,7 @@ def test_another_speed_is_compared_at_the_same_places(bag: Path) -> None:
     assert scenario.speed != 20  # what was recorded is told as it was
 
 
+@pytest.mark.slow
 def test_what_differs_here_is_named(bag: Path, tmp_path: Path) -> None:
     found = Bag(bag)
     info = dataclasses.replace(
@@ -237,6 +250,7 @@ def test_bags_that_do_not_say_what_went_in_are_refused(bag: Path, tmp_path: Path
         resimulate(tmp_path / "broken.mcap")
 
 
+@pytest.mark.slow
 def test_a_damaged_bag_is_compared_as_far_as_it_can_be_read(bag: Path, tmp_path: Path) -> None:
     data = bytearray(bag.read_bytes())
     for place in range(len(data) // 2, len(data) // 2 + 64):

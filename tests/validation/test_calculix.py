@@ -13,9 +13,11 @@ from tools.calculix_wheelset import as_yaml, by_calculix
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
+from wheelset_track_sim.wheelset.imported import ImportedWheelset
 from wheelset_track_sim.wheelset.kinds import load_wheelset, reduce_wheelset
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
+from wheelset_track_sim.wheelset.static_bending import own_weight_stress
 from wheelset_track_sim.wheelset.wheelset import Wheelset
 
 pytestmark = pytest.mark.slow
@@ -68,6 +70,17 @@ def test_the_shipped_file_is_the_trailers(own: ReducedWheelset) -> None:
     shipped = reduce_wheelset(load_wheelset("trailer_calculix"))
     agree(shipped, own)
     assert shipped.mass == pytest.approx(own.mass, rel=1e-3)
+
+
+def test_own_weight_is_the_same_in_both(trailer: Wheelset, own: ReducedWheelset) -> None:
+    """Bricks under gravity beside the body force of n = 1, a node at a time."""
+    imported = load_wheelset("trailer_calculix")
+    assert isinstance(imported, ImportedWheelset)
+    reduced = imported.reduced()
+    found = imported.under_own_weight().cosine
+    expected = own_weight_stress(trailer, own.node_positions[:, 1]).cosine
+    for name, there in zip(own.node_names, expected, strict=True):
+        assert found[reduced.node(name), 1] == pytest.approx(there[1], rel=0.03)
 
 
 def test_a_program_that_is_not_there_is_named(trailer: Wheelset) -> None:

@@ -52,6 +52,7 @@ def surface_tractions(n: int, frequency: float) -> float:
 
 
 @pytest.mark.parametrize(("n", "modes"), [(0, 2), (1, 3), (2, 2), (3, 2)])
+@pytest.mark.slow
 def test_modes_of_a_cylinder(n: int, modes: int) -> None:
     mesh = joined([grid(divided([0.0, LENGTH], 0.03)[:, None], divided([0.0, RADIUS], 0.02)[None, :])])
     ends = (mesh.points[:, 0] == 0.0) | (np.abs(mesh.points[:, 0] - LENGTH) < 1e-9)

@@ -11,6 +11,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.special import i0e, i1e
 
 from wheelset_track_sim.samples.principal import maximum_principal
+from wheelset_track_sim.wheelset.around import Around
 from wheelset_track_sim.wheelset.harmonic_elements import free_unknowns, stiffness_and_mass
 from wheelset_track_sim.wheelset.harmonics import on_surface
 from wheelset_track_sim.wheelset.kinds import load_wheelset
@@ -37,11 +38,16 @@ def plain() -> Wheelset:
     return replace(x40, axle=axle, stress_nodes=())
 
 
-def widening(inner: float, outer: float, pressure: float, young: float) -> float:
-    """Radial displacement at the surface where hub and shaft meet, of a finite-element ring or shaft."""
+def top(stress: Around) -> np.ndarray:
+    """Components in x, y, z at the top."""
+    return stress.at(np.zeros(len(stress.mean)))
+
+
+def widening(inner: float, outer: float, pressure: float, *, of_bore: bool) -> float:
+    """Radial displacement of a finite-element ring or shaft where hub and shaft meet: at its bore, or outside."""
     mesh = joined([grid(divided([0.0, 0.18], 0.03)[:, None], divided([inner, outer], 0.01)[None, :])])
     steel = load_wheelset("x40").material
-    radius = inner or outer
+    radius = inner if of_bore else outer
     free = free_unknowns(mesh, 0) if inner == 0 else _all_but_torsion(mesh)
     nodes, weights = on_surface(mesh, radius, 0.0, 0.18)
     force = np.zeros(3 * len(mesh.points))
@@ -61,11 +67,12 @@ def _all_but_torsion(mesh: SectionMesh) -> sp.csc_array:
     return sp.coo_array((np.ones(len(keep)), (keep, np.arange(len(keep)))), (3 * len(mesh.points), len(keep))).tocsc()
 
 
-def test_lame_pressure_closes_the_interference() -> None:
+@pytest.mark.parametrize("bore", [0.0, 0.035])
+def test_lame_pressure_closes_the_interference(bore: float) -> None:
     """The pressure that widens a hub and narrows a shaft by half the interference together."""
     young = load_wheelset("x40").material.youngs_modulus
-    pressure = lame_pressure(young, INTERFERENCE, RADIUS, 0.16)
-    hub, shaft = widening(RADIUS, 0.16, pressure, young), widening(0.0, RADIUS, -pressure, young)
+    pressure = lame_pressure(young, INTERFERENCE, RADIUS, 0.16, bore)
+    hub, shaft = widening(RADIUS, 0.16, pressure, of_bore=True), widening(bore, RADIUS, -pressure, of_bore=False)
     assert hub - shaft == pytest.approx(INTERFERENCE / 2, rel=1e-4)
 
 
@@ -95,10 +102,10 @@ def band_stress(y: np.ndarray, bands: list[tuple[float, float]], pressure: float
     return np.stack([axial, around - mean], axis=1)
 
 
+@pytest.mark.slow
 def test_press_fit_beside_the_seats(plain: Wheelset) -> None:
     y = np.array([-0.62, -0.58, -0.5, 0.0, 0.6])  # the nearest 35 mm from the edge, where the pressure jumps
-    positions = np.stack([0 * y, y, 0 * y + RADIUS], axis=1)
-    found = press_fit_stress(replace(plain, mesh=plain.mesh.divided(2)), positions, INTERFERENCE, 0.0)
+    found = top(press_fit_stress(replace(plain, mesh=plain.mesh.divided(2)), y, INTERFERENCE, 0.0))
     pressure = lame_pressure(plain.material.youngs_modulus, INTERFERENCE, RADIUS, plain.wheel.hub_radius)
     expected = band_stress(y, [(-0.835, -0.655), (0.655, 0.835)], pressure)
     assert found[:, 1] == pytest.approx(expected[:, 0], abs=0.01 * pressure)
@@ -110,8 +117,7 @@ def test_press_fit_beside_the_seats(plain: Wheelset) -> None:
 
 def test_press_fit_is_the_same_around_the_axle(plain: Wheelset) -> None:
     angles = np.array([0.0, 1.0, 2.5])
-    positions = np.stack([RADIUS * np.sin(angles), 0 * angles - 0.6, RADIUS * np.cos(angles)], axis=1)
-    found = press_fit_stress(plain, positions, INTERFERENCE, 1e-4)
+    found = press_fit_stress(plain, 0 * angles - 0.6, INTERFERENCE, 1e-4).at(angles)
     assert found[:, 1] == pytest.approx(found[0, 1], rel=1e-12)
     assert maximum_principal(found) == pytest.approx(maximum_principal(found)[0], rel=1e-9)
 
@@ -122,34 +128,32 @@ def test_torsion_of_a_shaft(plain: Wheelset, share: float) -> None:
     moments = reacted(("gearbox",), share)
     assert sum(moments.values()) == pytest.approx(0.0, abs=1e-12)
     y = np.array([-1.0, -0.3, 0.1, 0.58])
-    positions = np.stack([0 * y, y, 0 * y + RADIUS], axis=1)
-    found = torsion_stress(plain, positions, moments)
+    found = top(torsion_stress(plain, y, moments))
     tau = 16 / (np.pi * (2 * RADIUS) ** 3)
     expected = np.zeros((4, 6))
     expected[:, 3] = tau * np.array([0.0, share, share, share - 1.0])
     assert found == pytest.approx(expected, abs=0.01 * tau)  # 70 mm from gearbox and hub
     places = {"wheel_1": -0.75, "wheel_2": 0.75, "gearbox": 0.403}
-    assert nominal_torsion(positions, [2 * RADIUS] * 4, places, moments) == pytest.approx(expected, abs=1e-9)
+    assert top(nominal_torsion(y, [2 * RADIUS] * 4, places, moments)) == pytest.approx(expected, abs=1e-9)
 
 
 def test_torsion_around_the_shaft(plain: Wheelset) -> None:
     """The shear follows the surface: xy on the top, -yz at the front, turned over at the bottom."""
     angles = np.array([0.0, np.pi / 2, np.pi, 0.6])
-    positions = np.stack([RADIUS * np.sin(angles), 0 * angles, RADIUS * np.cos(angles)], axis=1)
-    found = torsion_stress(plain, positions, reacted(("gearbox",), 0.5))
+    found = torsion_stress(plain, 0 * angles, reacted(("gearbox",), 0.5)).at(angles)
     tau = 8 / (np.pi * (2 * RADIUS) ** 3)
     assert found[:, 3] == pytest.approx(tau * np.cos(angles), abs=0.005 * tau)
     assert found[:, 5] == pytest.approx(-tau * np.sin(angles), abs=0.005 * tau)
 
 
 def test_torque_at_both_wheels_leaves_the_axle_alone(plain: Wheelset) -> None:
-    found = torsion_stress(plain, np.array([[0.0, 0.0, RADIUS]]), reacted(("wheel_1", "wheel_2"), 0.5))
+    found = top(torsion_stress(plain, np.zeros(1), reacted(("wheel_1", "wheel_2"), 0.5)))
     assert np.abs(found).max() == pytest.approx(0.0, abs=1e-6)
 
 
 def test_bending_and_torsion_on_mohrs_circle(plain: Wheelset) -> None:
     torque, bending = 12e3, 60e6
-    shear = torsion_stress(plain, np.array([[0.0, 0.0, RADIUS]]), reacted(("gearbox",), 0.5))[0] * torque
+    shear = top(torsion_stress(plain, np.zeros(1), reacted(("gearbox",), 0.5)))[0] * torque
     tau = 8 * torque / (np.pi * (2 * RADIUS) ** 3)
     both = shear + np.array([0.0, bending, 0.0, 0.0, 0.0, 0.0])
     assert maximum_principal(both) == pytest.approx(bending / 2 + np.hypot(bending / 2, tau), rel=1e-4)
@@ -159,7 +163,13 @@ def test_a_fillet_concentrates_torsion() -> None:
     """Notch factor between 1 and that of bending there; R. E. Peterson has 1.1 to 1.2 for D/d = 1.07, r/d = 0.2."""
     x40 = load_wheelset("x40")
     y = np.linspace(-0.64, -0.62, 41)
-    positions = np.stack([0 * y, y, 0 * y], axis=1)
-    found = torsion_stress(x40, positions, reacted(("gearbox",), 0.5))
+    found = top(torsion_stress(x40, y, reacted(("gearbox",), 0.5)))
     nominal = 8 / (np.pi * 0.180**3)
     assert 1.05 < np.hypot(found[:, 3], found[:, 4]).max() / nominal < 1.3
+
+
+def test_a_bore_leaves_less_section_to_torsion(plain: Wheelset) -> None:
+    """W_t = pi (D^4 - d^4) / (16 D)."""
+    bored = replace(plain, axle=replace(plain.axle, bore=0.07))
+    full, less = (top(torsion_stress(each, np.zeros(1), reacted(("gearbox",), 0.5))) for each in (plain, bored))
+    assert less == pytest.approx(full / (1 - (0.035 / RADIUS) ** 4), rel=0.002, abs=1e-3)

@@ -94,6 +94,7 @@ def test_a_mass_slows_the_bounce(x40: Wheelset) -> None:
     assert standing[0] == pytest.approx(standing[1], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_ring_is_what_a_gearbox_is(x40: Wheelset) -> None:
     """The same hollow cylinder under another name gives the same wheelset."""
     assert x40.gearbox is not None

@@ -14,12 +14,12 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.shipped import table_text
 from wheelset_track_sim.inputs.yaml12 import dump
 from wheelset_track_sim.scenario import load_scenario, scenario_from
-from wheelset_track_sim.scenario.loads import Loads, PressFit
+from wheelset_track_sim.scenario.loads import LateralForces, Loads, PressFit
 from wheelset_track_sim.simulation.superposition import superposition
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
 from wheelset_track_sim.wheelset.imported import ImportedWheelset
-from wheelset_track_sim.wheelset.kinds import load_wheelset, with_geometry
+from wheelset_track_sim.wheelset.kinds import load_wheelset, plain_wheelset, read_wheelset, with_geometry
 from wheelset_track_sim.wheelset.mesh import wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset
@@ -98,6 +98,7 @@ def same(one: ReducedWheelset, other: ReducedWheelset) -> None:
         assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_the_x40_by_its_modes_is_the_x40(content: dict[str, Any], reduced: ReducedWheelset) -> None:
     found = of(content).reduced()
     same(found, reduced)
@@ -140,19 +141,40 @@ def test_torque_by_diameters_and_places(content: dict[str, Any]) -> None:
     found = superposition(Loads(torque=1000.0), wheelset, wheelset.reduced(), ("A1", "C1"))
     assert found is not None
     tau = 8 / (np.pi * 0.18**3)
-    assert found.torsion.reshape(2, 6)[:, 3] == pytest.approx([tau, -tau])
+    assert found.of_torque.at(found.angles)[:, 3] == pytest.approx([tau, -tau])
 
 
 @pytest.mark.parametrize(
     ("loads", "message"),
     [
         (Loads(press_fit=PressFit(wheels=1e-4)), "loads.press_fit needs the geometry .* is imported"),
+        (Loads(lateral=LateralForces(wheel_1=1e4)), "loads.lateral needs the geometry .* x40_again is imported"),
+        (Loads(horizontal_bending=True), "loads.horizontal_bending needs the geometry .* is imported: give its stress"),
         (Loads(torque=1.0, torque_at=("disc",)), "loads.torque_at.0 = 'disc' is not a known part .* gearbox, wheel_1"),
     ],
 )
 def test_loads_it_cannot_take_are_refused(content: dict[str, Any], loads: Loads, message: str) -> None:
     with pytest.raises(InputError, match=message):
         loads.check_against(of(content))
+
+
+def test_own_weight_as_given(content: dict[str, Any]) -> None:
+    """On the top and the bottom its bending counts; the shear, which the sides have, is not known there."""
+    given = [-9e5, -5e6, -1e5, 0.0, 0.0, 7e5]
+    with pytest.raises(InputError, match=r"stress_nodes.A1.own_weight is missing: .* or set loads.own_weight to false"):
+        Loads(own_weight=True).check_against(of(content))
+    whole = copy.deepcopy(content)
+    for node in whole["stress_nodes"]:
+        node["own_weight"] = given
+    wheelset = of(whole)
+    assert plain_wheelset(wheelset)["stress_nodes"][0]["own_weight"].split() == [*map(repr, given)]
+    assert read_wheelset(plain_wheelset(wheelset), "wheelset") == wheelset
+    loads = Loads(own_weight=True)
+    loads.check_against(wheelset)
+    found = superposition(loads, wheelset, wheelset.reduced(), ("A1", "C1"))
+    assert found is not None
+    assert pytest.approx(np.tile(given, (3, 2))) == found.stresses(np.zeros(3)).T
+    assert found.constant.polar(np.array([0.0, np.pi]))[:, 1] == pytest.approx(np.tile([-5e6, 5e6], (2, 1)))
 
 
 def test_no_diameter_no_torque(content: dict[str, Any]) -> None:
@@ -177,6 +199,7 @@ def test_no_diameter_no_torque(content: dict[str, Any]) -> None:
         ("modes.shapes", [], "modes.shapes is not a known key"),
         ("stress_nodes.0.modal", [[0.0] * 6], "stress_nodes.A1.modal has 1 entries: give"),
         ("stress_nodes.0.static.1", [0.0] * 5, "stress_nodes.A1.static.1 has 5 entries: give 6"),
+        ("stress_nodes.0.own_weight", [0.0] * 3, "stress_nodes.A1.own_weight has 3 entries: give 6"),
         ("stress_nodes.0.position", [0.0, 0.0], "stress_nodes.A1.position has 2 entries: give 3"),
         ("stress_nodes.0.name", "A 1", "cannot name a topic"),
         ("stress_nodes.0.name", "b1", "give each a name of its own"),

@@ -78,6 +78,17 @@ def test_mass_is_that_of_the_drawing(x40: Wheelset) -> None:
     assert x40.material.density * ring(0.098, gearbox.outer_radius, gearbox.length) == pytest.approx(200.0, rel=1e-3)
 
 
+def test_a_bore_takes_its_cylinder(x40: Wheelset) -> None:
+    bored = replace(x40, axle=replace(x40.axle, bore=0.06))
+    mesh = wheelset_mesh(bored)
+    assert mesh.points[:, 1].min() == pytest.approx(0.03)
+    volume = np.pi * 0.03**2 * (x40.axle.sections[-1].end - x40.axle.start)
+    lighter = solid_mass(wheelset_mesh(x40), x40.material) - solid_mass(mesh, x40.material)
+    assert lighter == pytest.approx(x40.material.density * volume, rel=1e-6)
+    for node in x40.stress_nodes:
+        assert np.isin(mesh.nodes_on(stress_fillet(x40, node)), np.unique(outline(mesh))).all()
+
+
 def test_stress_fillets_are_on_the_mesh(x40: Wheelset) -> None:
     for size in (x40.mesh, x40.mesh.divided(2)):
         mesh = wheelset_mesh(x40, size)

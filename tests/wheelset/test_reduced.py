@@ -50,6 +50,7 @@ def test_receptance_is_that_of_the_oscillators() -> None:
     assert reduced.static_receptance() == pytest.approx(expected[0].real, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_round_trip_through_a_file(reduced_x40: ReducedWheelset, tmp_path: Path) -> None:
     cache.store(tmp_path / "wheelset.npz", reduced_x40)
     with np.load(tmp_path / "wheelset.npz", allow_pickle=False) as stored:

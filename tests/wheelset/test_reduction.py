@@ -86,6 +86,7 @@ def test_stress_nodes_are_at_the_top_on_their_fillets(reduced_x40: ReducedWheels
     assert 0.6276 < y[2] < 0.645
 
 
+@pytest.mark.slow
 def test_reduced_statics_are_those_of_the_finite_elements(x40: Wheelset, reduced_x40: ReducedWheelset) -> None:
     mesh = wheelset_mesh(x40)
     nodes = mesh.nodes_on(reduced_x40.node_positions[:, 1:])
@@ -181,6 +182,7 @@ def test_same_model_twice(x40: Wheelset) -> None:
     assert np.array_equal(one.stress_outputs, two.stress_outputs)
 
 
+@pytest.mark.slow
 def test_without_stress_nodes(x40: Wheelset) -> None:
     bare = build_reduced_wheelset(replace(x40, mesh=x40.mesh.divided(0.5), stress_nodes=()), max_frequency=600.0)
     assert bare.stress_outputs.shape == (0, 6, len(bare.poles))

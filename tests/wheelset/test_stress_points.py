@@ -40,6 +40,7 @@ def static(reduced: ReducedWheelset, name: str) -> np.ndarray:
     return stress
 
 
+@pytest.mark.slow
 def test_bending_around_the_axle(around: ReducedWheelset) -> None:
     """Between equal wheel loads the moment is constant: sigma = M cos(angle) / W, and nothing else but little shear."""
     bending = LOAD * (1.0275 - 0.750) / (np.pi * 0.180**3 / 32)
@@ -60,6 +61,7 @@ def test_bottom_of_a_fillet_has_the_place_of_its_top(around: ReducedWheelset) ->
     assert static(around, "A1bottom")[1] == pytest.approx(-static(around, "A1")[1], rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_place_in_a_fillet_is_the_fillets_own(x40: Wheelset, around: ReducedWheelset) -> None:
     """By its y the node of A1 is found again; a little beside it the stress is nearly the same."""
     y = float(around.node_positions[around.node("A1"), 1])

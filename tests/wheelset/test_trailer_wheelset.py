@@ -34,6 +34,7 @@ def reduced(trailer: Wheelset) -> ReducedWheelset:
     return build_reduced_wheelset(replace(trailer, mesh=trailer.mesh.divided(0.6)), max_frequency=1500.0)
 
 
+@pytest.mark.slow
 def test_mirrored_forces_give_mirrored_stresses(reduced: ReducedWheelset) -> None:
     stress = reduced.stress_receptance(np.array([0.0, 50.0, 200.0, 1000.0]))
     largest = np.abs(stress).max(axis=(1, 2, 3), keepdims=True)[..., 0]

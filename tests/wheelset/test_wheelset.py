@@ -60,6 +60,8 @@ def test_unknown_name_lists_the_shipped_ones() -> None:
         ("axle.sections.1.name", "journal_1", "axle.sections has names .* give each a name of its own"),
         ("gearbox.length", 0.6, "gearbox: end = 0.703 m is not less than hub_inner = 0.655 m"),
         ("axle.sections", [], "axle.sections is empty"),
+        ("axle.bore", -0.01, "axle.bore = -0.01 m is out of range"),
+        ("axle.bore", 0.12, "bore = 0.12 m leaves too thin a wall of axle section journal_1: give at most .* 0.108 m"),
         ("gearbox.y", 0.5, "gearbox .* does not stand on the cylinder of one axle section"),
         ("brake_discs.outer_radius", 0.4, "outer_radius = 0.4 m is not less than rim_radius"),
         ("stress_nodes.0.after", "seat", "stress_nodes.A1.after"),

@@ -12,13 +12,16 @@ from scipy.signal import find_peaks
 
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.wheelset.around import angles_of
 from wheelset_track_sim.wheelset.harmonic_elements import nodal_stress
 from wheelset_track_sim.wheelset.harmonics import HARMONICS, harmonic
-from wheelset_track_sim.wheelset.kinds import load_wheelset
+from wheelset_track_sim.wheelset.imported import ImportedWheelset
+from wheelset_track_sim.wheelset.kinds import load_wheelset, reduce_wheelset
 from wheelset_track_sim.wheelset.mesh import stress_fillet, wheelset_mesh
 from wheelset_track_sim.wheelset.reduced import ReducedWheelset
 from wheelset_track_sim.wheelset.reduction import build_reduced_wheelset, reduced_wheelset
 from wheelset_track_sim.wheelset.section_mesh import SectionMesh
+from wheelset_track_sim.wheelset.static_bending import own_weight_stress
 from wheelset_track_sim.wheelset.stress_points import around_axle
 from wheelset_track_sim.wheelset.wheelset import MeshSize, Wheelset
 
@@ -134,6 +137,31 @@ def _bricks() -> Any:
         [float(maximum_principal(s[np.isin(nodes, arc)]).max() / 1e6) for s in (stress, reference)] for arc in arcs
     ]
     return {"modes": modes, "static": highest, "unknowns": len(solid.free)}
+
+
+def _own_weight() -> Any:
+    """Static stresses without and with own weight, MPa, by wheelset and by axle load in t."""
+    found: dict[str, dict[str, list[list[float]]]] = {}
+    for name in ("x40", "trailer", "trailer_calculix"):
+        wheelset = load_wheelset(name)
+        reduced = reduce_wheelset(wheelset)
+        if isinstance(wheelset, ImportedWheelset):
+            hung = wheelset.under_own_weight()
+        else:
+            hung = own_weight_stress(wheelset, reduced.node_positions[:, 1])
+        weight, unit = hung.at(angles_of(reduced.node_positions)), reduced.static_stress().sum(axis=2)
+        found[name] = {
+            str(load): [
+                (maximum_principal(unit * load * 9810.0 / 2 + own) / 1e6).tolist() for own in (0.0 * weight, weight)
+            ]
+            for load in (20, 14, 12)
+        }
+    return found
+
+
+def own_weight() -> Any:
+    """Maximum principal stresses, MPa, without and with own weight, by wheelset and axle load in t."""
+    return recall("own-weight", 1, _own_weight)
 
 
 def fine() -> Any:

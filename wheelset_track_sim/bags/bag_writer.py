@@ -51,8 +51,11 @@ class Writer(ABC):
         """
 
     @abstractmethod
-    def close(self) -> None:
-        """Finish; closing again does nothing. Raises RecordingError if the disk refuses."""
+    def close(self, *, sync: bool = False) -> None:
+        """Finish, and with ``sync`` wait until all is on the disk; closing again does nothing.
+
+        Raises RecordingError if the disk refuses.
+        """
 
     @abstractmethod
     def remove_if_empty(self) -> None:
@@ -190,14 +193,16 @@ class BagWriter(Writer):
     def sync(self) -> None:
         """Wait until everything at the operating system is on the disk; RecordingError if the disk refuses."""
         with self._disk():
-            self._file.sync()
+            self._files.sync()
 
-    def close(self) -> None:
-        """Finish the bag."""
+    def close(self, *, sync: bool = False) -> None:
+        """Finish the bag; with ``sync``, wait until it is on the disk."""
         if not self._open:
             return
         with self._disk():
             self._files.finish()
+            if sync:
+                self._files.sync()
         self._open = False
 
     def remove_if_empty(self) -> None:

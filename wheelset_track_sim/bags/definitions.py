@@ -19,6 +19,8 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from .irregularities_text import irregularities_text
+
 PACKAGE = "wheelset_track_msgs"
 SEPARATOR = "=" * 80 + "\n"
 
@@ -30,7 +32,10 @@ NONE: Default = lambda _: np.empty(0)  # noqa: E731
 DEFAULTS: Mapping[str, Mapping[str, Default]] = {
     "ContactForces": {"decimation": lambda _: 1},
     "AxleStress": {"decimation": lambda _: 1},
-    "SimulationState": {"speed_set_point": lambda state: state.speed},
+    "SimulationState": {
+        "speed_set_point": lambda state: state.speed,
+        "irregularities": lambda state: irregularities_text(state.scenario),
+    },
     "LoadSummary": {
         "turns": lambda _: 0,
         **dict.fromkeys(("wheel_1_turn_max_force", "wheel_2_turn_max_force"), UNKNOWN),
@@ -122,6 +127,26 @@ def decoder(kind: str, encoding: str, definition: bytes) -> Decode:
     theirs = get_typestore(Stores.EMPTY)
     theirs.register(stored)
     return lambda data: _conformed(name, theirs.deserialize_cdr(data, name))
+
+
+def converter(kind: str, encoding: str, definition: bytes) -> Callable[[bytes], bytes]:
+    """Function from CDR of a stored ``definition`` to CDR of this version; errors as of ``decoder``.
+
+    The function raises rosbags' SerdeError for data that are not such a message.
+    """
+    decode = decoder(kind, encoding, definition)
+    return lambda data: serialise(kind, _fields_of(decode(data)))
+
+
+def _fields_of(message: Any) -> dict[str, Any]:
+    """Plain fields of a message, and of the messages within it."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, list):
+            return [plain(each) for each in value]
+        return _fields_of(value) if hasattr(value, "__dict__") else value
+
+    return {name: plain(value) for name, value in vars(message).items()}
 
 
 def _message(name: str, fields: Mapping[str, Any]) -> Any:

@@ -92,8 +92,8 @@ class SnapshotWriter(Writer):
         if self._bag is not None:
             self._bag.sync()
 
-    def close(self) -> None:
-        """Finish the current snapshot, if there is one; RecordingError if the disk refuses."""
+    def close(self, *, sync: bool = False) -> None:
+        """Finish the current snapshot, if there is one, and wait for the disk; RecordingError if it refuses."""
         if self._bag is not None:
             self._finish()
 
@@ -141,7 +141,7 @@ class SnapshotWriter(Writer):
         bag, self._bag = self._bag, None
         if bag is not None:
             self._taken.append(bag)
-            bag.close()
+            bag.close(sync=True)  # it is seldom, and what it holds does not come again
 
 
 def writer_of(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typest
 
 from ..errors import InputError
 from ..inputs.yaml12 import dump, parse
-from .definitions import full_name, schema, type_hash, typestore
+from .definitions import converter, full_name, schema, type_hash, typestore
 
 PROFILES, TYPE_HASH = "offered_qos_profiles", "topic_type_hash"
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
@@ -81,9 +81,24 @@ class Topic:
         fields = self._recorded.get(self.type) or typestore().fielddefs.get(self.type) or ([], [])
         return bool(fields[1]) and fields[1][0][1] == HEADER
 
+    @cached_property
+    def conversion(self) -> Callable[[bytes], bytes] | None:
+        """From recorded bytes to those of this version's type; None if it is the same type, or another altogether."""
+        if not (self.kind and self._differs):
+            return None
+        try:
+            return converter(self.kind, self.encoding, self.definition)
+        except (ValueError, LookupError, TypesysError):
+            return None
+
     @property
     def outdated(self) -> bool:
-        """Whether its type has another definition here, so that its bytes would be misread."""
+        """Whether its type has another definition here, so that its bytes would be misread and cannot be converted."""
+        return self._differs and self.conversion is None
+
+    @cached_property
+    def _differs(self) -> bool:
+        """Whether its type has another definition here."""
         known = typestore()
         if self.type not in self._recorded or self.type not in known.fielddefs:
             return False

@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
-from ..errors import InputError, WheelsetTrackError
+from ..errors import InputError
 from ..inputs import shipped
 from ..runtime.memory import keep_freed_memory
+from ..runtime.output_files import require_folder
 from ..version import __version__
+from .ending import FAILED, complain, status_of
 from .warned import printed_warnings
 
 if TYPE_CHECKING:
@@ -36,29 +39,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
-    try:
-        with printed_warnings(PROGRAM) as warnings:
-            given = _renamed(given)
-            if given[:1] == ["node"]:  # its arguments are those of every ROS node
-                return _node(given[1:])
-            own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
-            options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
-            command: Callable[[argparse.Namespace], int] = options.command
-            return command(options)
-    except InputError as refusal:
-        return _complain(refusal, 2)
-    except WheelsetTrackError as failure:
-        return _complain(failure, 1)
-    except KeyboardInterrupt:
-        # told to end before it had anything to close: for a node that is an orderly end
-        return 0 if given[:1] in (["node"], ["replay"]) else _complain("interrupted", 1)
+    # A node that is told to end before it has anything to close ends in order.
+    interrupted = 0 if given[:1] in (["node"], ["replay"]) else FAILED
+    return status_of(partial(_run_command, given), PROGRAM, interrupted)
+
+
+def _run_command(given: list[str]) -> int:
+    with printed_warnings(PROGRAM) as warnings:
+        given = _renamed(given)
+        if given[:1] == ["node"]:  # its arguments are those of every ROS node
+            return _node(given[1:])
+        own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
+        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
+        if getattr(options, "out", None) is not None:
+            require_folder(options.out)
+        command: Callable[[argparse.Namespace], int] = options.command
+        return command(options)
 
 
 def _renamed(given: list[str]) -> list[str]:
     """Arguments with the old name of a command replaced by the new one, which is reported."""
     if given[:1] != ["replay"] or OLD_RESIMULATE not in given:
         return given
-    _complain(f"replay {OLD_RESIMULATE} is the old name of resimulate: use {PROGRAM} resimulate BAG", 0)
+    complain(PROGRAM, f"replay {OLD_RESIMULATE} is the old name of resimulate: use {PROGRAM} resimulate BAG", 0)
     return ["resimulate", *(each for each in given[1:] if each != OLD_RESIMULATE)]
 
 
@@ -72,11 +75,6 @@ def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
         (of_ros if inside else ours).append(argument)
         inside = inside and argument != "--"
     return ours, of_ros
-
-
-def _complain(reason: object, status: int) -> int:
-    print(f"{PROGRAM}: {' '.join(str(reason).split())}", file=sys.stderr)  # noqa: T201
-    return status
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -178,6 +176,10 @@ def _takes_json(command: _Parser, instead_of: str = "a table") -> None:
     command.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
 
 
+def _may_overwrite(command: _Parser) -> None:
+    command.add_argument("--overwrite", action="store_true", help="replace files that exist already")
+
+
 def _add_run(commands: _Commands) -> None:
     run = _command(commands, "run", "simulate without ROS, as fast as possible")
     names = ", ".join(shipped.names("scenarios"))
@@ -243,13 +245,14 @@ def _add_show(commands: _Commands) -> None:
     show.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped one")
     _takes_changes(show)
     show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
+    _may_overwrite(show)
     show.set_defaults(command=_show)
 
 
 def _show(options: argparse.Namespace) -> int:
     from .show import show
 
-    return show(options.scenario, options.set, options.out)
+    return show(options.scenario, options.set, options.out, overwrite=options.overwrite)
 
 
 def _add_study(commands: _Commands) -> None:
@@ -284,6 +287,7 @@ def _add_report(commands: _Commands) -> None:
     report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
     _takes_place(report)
     _takes_measured(report)
+    _may_overwrite(report)
     report.set_defaults(command=_report)
 
 
@@ -292,7 +296,15 @@ def _report(options: argparse.Namespace) -> int:
     from .report import report
 
     settings = None if options.threshold is None else ImpactSettings(options.threshold)
-    return report(options.bag, options.out, settings, options.measured, _matching(options), _reading(options))
+    return report(
+        options.bag,
+        options.out,
+        settings,
+        options.measured,
+        _matching(options),
+        _reading(options),
+        overwrite=options.overwrite,
+    )
 
 
 def _add_replay(commands: _Commands) -> None:
@@ -402,6 +414,7 @@ def _add_stress(commands: _Commands) -> None:
     stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
     stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
     stress.add_argument("--speed", type=float, metavar="V", help="m/s, for forces over the position and for bags")
+    stress.add_argument("--own-weight", action="store_true", help="add the stress of the wheelset's own weight")
     stress.add_argument("--out", type=Path, metavar="FILE", help="write stresses as .csv, or all as .mcap")
     _takes_json(stress)
     stress.set_defaults(command=_stress)
@@ -418,6 +431,7 @@ def _stress(options: argparse.Namespace) -> int:
         options.speed,
         options.out,
         _reading(options),
+        own_weight=options.own_weight,
         json=options.json,
         warnings=options.warnings,
     )

@@ -19,6 +19,8 @@ from ..inputs.schema import check, quantity
 from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..samples.block import SampleBlock
+from ..scenario.loads import Loads
+from ..simulation.superposition import superposition
 from ..twin.measured import Reading, read_measurement
 from ..twin.measured.csv_file import write_csv
 from ..twin.measured.measurement import WHEELS, evenly
@@ -51,16 +53,21 @@ def stress(
     out: Path | None,
     reading: Reading | None = None,
     *,
+    own_weight: bool = False,
     json: bool,
     warnings: Sequence[str] = (),
 ) -> int:
     """Work out the stresses, write and print them; returns the exit status."""
-    described = load_wheelset(wheelset)
+    described, loads = load_wheelset(wheelset), Loads(own_weight=own_weight)
+    loads.check_against(described)
     block = _block(forces, speed, reading)
     with shown() as progress:
         reduced = reduce_wheelset(described, progress)
     found = stresses_from_forces(reduced, block.forces, block.step_period, nodes)
     names = reduced.node_names if nodes is None else tuple(nodes)
+    added = superposition(loads, described, reduced, names)
+    if added is not None:
+        found += added.stresses(np.zeros(1)).reshape(len(names), len(COMPONENTS))
     block = _with(block, found, names)
     if out is not None:
         _write(out, block, forces, speed, RunInfo(f"stress of {forces.name}", "", digest(described), float("nan")))

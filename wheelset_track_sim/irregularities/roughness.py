@@ -14,7 +14,7 @@ from ..inputs import shipped
 from ..inputs.schema import Quantity, quantity
 from ..inputs.tables import read_table
 from ..runtime.arrays import Real
-from .stretch import check_stretch, part_of, ramp, start
+from .stretch import check_stretch, length, part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
 
 LIMIT_WAVELENGTHS = (0.4, 0.0315, 0.00315)
@@ -55,8 +55,7 @@ class Roughness:
     spectrum: tuple[tuple[float, float], ...] = ()
     """Wavelengths, m, and levels of their third octaves, dB re 1 um."""
     start: float = start()
-    length: float | None = None
-    """Of the stretch of a rail, m; None for all of it."""
+    length: float | None = length()
     ramp: float = ramp()
     file: str = ""
     """File of the spectrum; read if ``spectrum`` is empty, so that a scenario and its bag need no other file."""

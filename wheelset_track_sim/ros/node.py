@@ -18,9 +18,12 @@ from rclpy.parameter import Parameter
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
-from ..live.recorder import Recorder
+from ..live.recorder import Recorder, path_below
 from ..live.revisions import Revisions
 from ..monitoring.status import recording_status
+from ..scenario import Scenario
+from ..scenario.values import values_of
+from ..simulation.changes import Revision
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .answers import answer_always
@@ -30,6 +33,7 @@ from .outputs import Outputs
 from .parameters import Parameters
 from .run import NodeRun
 from .services import Services
+from .turns import in_turns
 
 NAME = "wheelset_track_sim"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
@@ -80,6 +84,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self.recorder.figures))
         Services(self)
         answer_always(self)
+        self._turns = in_turns(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
     @property
@@ -129,6 +134,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def close(self) -> None:
         """End the run from outside of all callbacks: stop, close the bag."""
         self.interrupt()
+        for turns in self._turns:
+            turns.close()
         with self._transition:  # models that are being built notice
             pass
         with suppress(Exception):  # a state without a way to shut down
@@ -148,7 +155,23 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             result = super().set_parameters_atomically(parameter_list)
             if result.successful:
                 result.reason = self._accepted
+            else:
+                self.get_logger().warning(f"parameters are refused: {result.reason}")
             return result
+
+    def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
+        """Log a change that was accepted, by what means it came; what to know about it, empty if nothing changed.
+
+        ``before`` is the scenario before it.
+        """
+        if self.revisions.scenario == before:
+            self.get_logger().debug(f"{by}: nothing changes")  # a slider that stands still says so all the time
+            return ""
+        told = "in force when the run begins"
+        if self.run is not None:
+            told = f"revision {revision.number} from step {revision.step}"
+        self.get_logger().info(f"{by}: {told}")
+        return told if self.run is not None else ""
 
     def pause(self) -> str:
         """Deactivate; what to know about it. Raises InputError if there is nothing to pause."""
@@ -247,7 +270,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         bag = None
         if self.parameters["record.on_start"]:
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
-            bag = Path(folder).expanduser() / name if name else self.recorder.path_now(folder)
+            bag = path_below(folder, name) if name else self.recorder.path_now(folder)
         try:
             self._outputs.create(simulator.scenario.output.stress_nodes)
             LifecycleNodeMixin.on_configure(self, previous)
@@ -350,9 +373,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
         except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
             return SetParametersResult(successful=False, reason=str(refusal))
-        if self.run is not None and self.revisions.scenario != before:
-            self._accepted = f"revision {revision.number} from step {revision.step}"
-            self.get_logger().info(self._accepted)
+        if changes.keys() & values_of(before):
+            self._accepted = self.tell_change("parameters", before, revision)
         if changes.get("use_sim_time", self._time.following) != self._time.following:
             self._earliest_ns = 0  # stamps of another time
         self._outputs.decimation = self.parameters.decimation(changes)

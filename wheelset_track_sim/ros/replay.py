@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import ExitStack
 from importlib import import_module
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +31,7 @@ from .acknowledged import wait_for_subscribers
 from .answers import answer_always
 from .clock import TOPIC as CLOCK
 from .clock import NodeClock
-from .hosting import Ending, next_ending, own_arguments, session, spinning
+from .hosting import Ending, next_ending, own_arguments, refusing, session, spinning
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
 
@@ -125,7 +127,7 @@ class ReplayNode(Node):  # type: ignore[misc]
         )
         name = self.parameters.renamed(topic, self._bag.topics.values())
         try:
-            return self.create_publisher(_message_type(topic.type), name, quality)
+            return self.create_publisher(message_type(topic.type), name, quality)
         except InvalidTopicNameException as refusal:
             raise InputError(f"prefix = {self.parameters['prefix']}: {' '.join(str(refusal).split())}") from None
 
@@ -207,7 +209,8 @@ def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
     if own:
         raise InputError(f"{own[0]} is not an argument of the replay: see wheelset-track-sim replay --help")
     with session(arguments) as endings, ExitStack() as stack:
-        node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
+        with refusing():
+            node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
         stack.callback(node.destroy_node)
         executor = SingleThreadedExecutor()
         stack.callback(executor.shutdown)
@@ -230,13 +233,20 @@ def _hindrance(topic: Topic) -> str:
     if topic.outdated:
         return f"{topic.type} has been changed since it was recorded"
     try:
-        _message_type(topic.type)
-    except (ImportError, AttributeError, ValueError):
+        message_type(topic.type)
+    except (ImportError, AttributeError):
         return f"{topic.type} is not installed"
     return ""
 
 
-def _message_type(kind: str) -> Any:
-    """Class of a message by the full name of its type."""
-    package, _, name = kind.partition("/msg/")
-    return getattr(import_module(f"{package}.msg"), name)
+def message_type(kind: str) -> Any:
+    """Class of a message by the full name of its type; raises ImportError if it is not installed.
+
+    A bag names any type it likes, so nothing is imported but packages that rosidl has generated.
+    """
+    found = re.fullmatch(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)", kind)
+    spec = PathFinder.find_spec(found[1]) if found else None
+    folders = (spec and spec.submodule_search_locations) or ()
+    if not found or not any(True for each in folders for _ in Path(each).glob(f"{found[1]}_s__rosidl_typesupport_*")):
+        raise ImportError(f"{kind} is not a message of an installed package")
+    return getattr(import_module(f"{found[1]}.msg"), found[2])

@@ -18,11 +18,13 @@ from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSp
 from ..errors import InputError, WheelsetTrackError
 from ..live.recorder import Recorder, path_below
 from ..live.revisions import Revisions
+from ..scenario import Scenario
 from ..simulation.changes import Revision
 from .answers import Answer, served
 from .conversions import header
 from .parameters import Parameters
 from .run import NodeRun
+from .turns import REQUESTS
 
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
@@ -39,6 +41,10 @@ class Controlled(Protocol):
 
     def needed_run(self) -> NodeRun:
         """The run; raises InputError if there is none."""
+        ...
+
+    def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
+        """Log a change that was accepted."""
         ...
 
     def pause(self) -> str:
@@ -70,17 +76,18 @@ class Services:
     """Servers and subscriptions of one node; each answers, whatever happens.
 
     Changes have a callback group, recordings and transitions have one, and the contact pressure has one: none waits for
-    another, and within each the order of arrival counts.
+    another, and within each requests are answered in the order of arrival (``turns``). Of each command topic the newest
+    message counts.
     """
 
     def __init__(self, node: Controlled) -> None:
         """For ``node``, as long as it lives."""
         self._node, log = node, node.get_logger()
-        changing, switching, asking = node.changing, MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+        switching, asking, commanding = (MutuallyExclusiveCallbackGroup() for _ in range(3))
         for kind, name, answer, group in (
-            (SetTreadDamage, "set_tread_damage", self._set_tread_damage, changing),
-            (SetIrregularities, "set_irregularities", self._set_irregularities, changing),
-            (SetSpeed, "set_speed", self._set_speed, changing),
+            (SetTreadDamage, "set_tread_damage", self._set_tread_damage, node.changing),
+            (SetIrregularities, "set_irregularities", self._set_irregularities, node.changing),
+            (SetSpeed, "set_speed", self._set_speed, node.changing),
             (StartRecording, "start_recording", self._start_recording, switching),
             (Trigger, "stop_recording", self._stop_recording, switching),
             (Trigger, "split_recording", self._split_recording, switching),
@@ -90,7 +97,8 @@ class Services:
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
             (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
         ):
-            node.create_service(kind, f"~/{name}", partial(served, log, answer), callback_group=group)
+            answered = partial(served, log, name, answer)
+            node.create_service(kind, f"~/{name}", answered, qos_profile=REQUESTS, callback_group=group)
         for message, name, take in (
             (Float64, "speed", lambda message: node.revisions.speed(message.data)),
             (Float64, "torque", lambda message: node.revisions.torque(message.data)),
@@ -99,33 +107,39 @@ class Services:
         ):
             topic = f"~/cmd/{name}"
             node.create_subscription(
-                message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=changing
+                message, topic, partial(self._taken, topic, take), COMMANDS, callback_group=commanding
             )
 
     def _taken(self, topic: str, take: Callable[[Any], Revision], message: Any) -> None:
         try:
-            take(message)
-        except WheelsetTrackError as refusal:
-            self._node.get_logger().warning(f"{topic} is refused: {refusal}")
+            answer = self._changed(topic, lambda: take(message))
         except Exception:  # noqa: BLE001  the executor must live
             self._node.get_logger().fatal(traceback.format_exc())
+            return
+        if not answer.get("success", True):
+            self._node.get_logger().warning(f"{topic} is refused: {answer['message']}")
 
     def _set_tread_damage(self, request: Any) -> Answer:
-        return self._changed(lambda: self._node.revisions.damage(request.damage))
+        return self._changed("set_tread_damage", lambda: self._node.revisions.damage(request.damage))
 
     def _set_irregularities(self, request: Any) -> Answer:
-        return self._changed(lambda: self._irregularities(request.irregularities))
+        return self._changed("set_irregularities", lambda: self._irregularities(request.irregularities))
 
     def _irregularities(self, text: str) -> Revision:
         return self._node.revisions.irregularities(text, self._node.parameters["profiles.directory"])
 
     def _set_speed(self, request: Any) -> Answer:
-        return self._changed(lambda: self._node.revisions.speed(request.speed, request.acceleration))
+        return self._changed("set_speed", lambda: self._node.revisions.speed(request.speed, request.acceleration))
 
-    def _changed(self, change: Callable[[], Revision]) -> Answer:
-        """Revision and step of a change; if it is rejected, those of the newest one with the reason."""
+    def _changed(self, by: str, change: Callable[[], Revision]) -> Answer:
+        """Revision and step of a change, which is logged; if it is rejected, those of the newest one with the reason.
+
+        ``by`` is the topic or service through which it comes.
+        """
+        before = self._node.revisions.scenario
         try:
             revision, answer = change(), {}
+            self._node.tell_change(by, before, revision)
         except WheelsetTrackError as refusal:
             revision, answer = self._node.revisions.newest, {"success": False, "message": str(refusal)}
         return {**answer, "revision": revision.number, "step": revision.step}

@@ -1,4 +1,4 @@
-"""Loads on the axle beside the contact forces: what a scenario says of press fits, given stresses, and torque.
+"""Loads on the axle beside the contact forces: own weight, press fits, given stresses, torque and lateral forces.
 
 They are superposed on the stress (Section 6 of the paper) and have no part in the vertical dynamics.
 """
@@ -11,8 +11,9 @@ from itertools import pairwise
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity, unknown
+from ..wheelset.harmonics import GRAVITY
 from ..wheelset.imported import ImportedWheelset
-from ..wheelset.kinds import AnyWheelset
+from ..wheelset.kinds import AnyWheelset, mass_of
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,22 @@ class ConstantStress:
 
 
 @dataclass(frozen=True)
+class LateralForces:
+    """Constant lateral forces of the rails on the wheels at their contacts, to the left positive, as in a curve."""
+
+    wheel_1: float = quantity("N", -2e5, 2e5, "the lateral force on wheel 1, to the left", default=0.0)
+    wheel_2: float = quantity("N", -2e5, 2e5, "the lateral force on wheel 2, to the left", default=0.0)
+
+    def __post_init__(self) -> None:
+        check(self)
+
+    @property
+    def forces(self) -> tuple[float, float]:
+        """On wheel 1 and 2, N."""
+        return self.wheel_1, self.wheel_2
+
+
+@dataclass(frozen=True)
 class TorquePoint:
     """Torque at a time; between two of them it changes evenly."""
 
@@ -60,19 +77,24 @@ class TorquePoint:
 
 @dataclass(frozen=True)
 class Loads:
-    """Press fits, given stresses, and the torque of drive or brake. SI units; none of them by default."""
+    """Own weight, press fits, given stresses, torque of drive or brake, lateral forces. SI units; none by default."""
 
+    own_weight: bool = False
+    """Whether the wheelset has its weight where its mass is: the journals then carry the axle load less that."""
     press_fit: PressFit = field(default_factory=PressFit)
     stresses: tuple[ConstantStress, ...] = ()
     torque: float = quantity("N m", -2e5, 2e5, "the torque on the wheelset", default=0.0)
     """On all places together, about y: positive is traction, negative braking. Constant; changed during a run, the
     torque that is approached from then on."""
     torque_plan: tuple[TorquePoint, ...] = ()
-    """The torque over time instead: that of the first point before it, of the last one behind it."""
+    """The torque over time instead: that of the first point before it, of the last one after it."""
     torque_rate: float = quantity("N m/s", 1.0, 1e7, "the rate at which a changed torque is approached", default=2e4)
     torque_at: tuple[str, ...] = ("gearbox",)
     """Where it acts, in equal parts: ``gearbox``, equipment by name, ``wheel_1``, ``wheel_2``."""
     wheel_1_share: float = quantity("", 0.0, 1.0, "the share of the torque that rail 1 takes", default=0.5)
+    horizontal_bending: bool = False
+    """Whether the longitudinal forces by which the rails react to the torque bend the axle, held by the axle boxes."""
+    lateral: LateralForces = field(default_factory=LateralForces)
 
     def __post_init__(self) -> None:
         check(self)
@@ -95,7 +117,8 @@ class Loads:
     @property
     def none(self) -> bool:
         """Whether nothing is superposed."""
-        return not (self.with_torque or self.stresses or self.press_fit.wheels or self.press_fit.equipment)
+        fitted = self.press_fit.wheels or self.press_fit.equipment
+        return not (self.with_torque or self.stresses or fitted or self.own_weight or any(self.lateral.forces))
 
     def check_change(self, new: Loads) -> None:
         """Raise InputError if ``new`` cannot follow during a run: torque and rate may change, a plan may end."""
@@ -129,8 +152,27 @@ class Loads:
                 f"loads.press_fit needs the geometry of seats and hubs, and wheelset {wheelset.name} is imported: "
                 "give its stress in loads.stresses"
             )
-        for node in wheelset.stress_nodes if self.with_torque else ():
-            if node.diameter is None:
+        for key, wanted in (("horizontal_bending", self.horizontal_bending), ("lateral", any(self.lateral.forces))):
+            if wanted:
+                raise InputError(
+                    f"loads.{key} needs the geometry of the axle, and wheelset {wheelset.name} is imported: "
+                    "give its stress in loads.stresses"
+                )
+        for node in wheelset.stress_nodes:
+            if self.with_torque and node.diameter is None:
                 raise InputError(
                     f"wheelset.stress_nodes.{node.name}.diameter is missing: loads.torque needs the axle's there, m"
                 )
+            if self.own_weight and not node.own_weight:
+                raise InputError(
+                    f"wheelset.stress_nodes.{node.name}.own_weight is missing: loads.own_weight needs the stress of "
+                    "gravity alone there; give its 6 components, Pa, or set loads.own_weight to false"
+                )
+
+    def check_weight(self, wheelset: AnyWheelset, axle_load: float) -> None:
+        """Raise InputError if ``axle_load``, N, is less than the own weight of a wheelset, where that counts."""
+        if self.own_weight and axle_load < (weight := GRAVITY * mass_of(wheelset)):
+            raise InputError(
+                f"axle_load = {axle_load:g} N is less than the wheelset weighs alone, {weight:.0f} N: give at least "
+                "that, or set loads.own_weight to false"
+            )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,12 +11,19 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
 from ..runtime.arrays import Real
-from .harmonic_elements import free_unknowns, shape_functions, stiffness_and_mass
+from .harmonic_elements import free_unknowns, shape_functions, solid_mass, stiffness_and_mass
 from .section_mesh import RESOLUTION, SectionMesh
 from .wheelset import Wheelset
 
 HARMONICS = range(7)
 """n = 0 to 6: of the X40, n = 7 starts at 4.1 kHz, and 7 to 9 change receptances to 2500 Hz by less than 1e-12 m/N."""
+
+GRAVITY = 9.81
+"""m/s^2; 20 t are 196.2 kN."""
+
+Direction = Literal["up", "left", "forward"]
+DIRECTIONS: dict[Direction, tuple[int, float]] = {"up": (0, -1.0), "left": (1, 1.0), "forward": (2, -1.0)}
+"""Unknown of a node that a displacement at the contact is, and its sign."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +63,36 @@ class HarmonicModel:
 
     def static(self, forces: Real) -> Real:
         """Static displacements (free unknowns, cases) under forces (free unknowns, cases)."""
-        stiffness = self.stiffness
-        if self.n == 0:  # Free to move along y: hold one unknown; the forces have no resultant in y.
-            hold = sp.coo_array(([stiffness.diagonal().max()], ([0], [0])), shape=stiffness.shape)
-            stiffness = (stiffness + hold).tocsc()
+        stiffness = self.stiffness if self.n else held(self.stiffness, self.free)
         displacements: Real = _factors(stiffness).solve(forces)
         return displacements
+
+    def weight(self) -> Real:
+        """Weight of all masses (free unknowns,), N, as a body force: it is of n = 1, the only harmonic that moves.
+
+        Gravity is -z at every angle: ``f = -g M e`` with the rigid lift ``e``, ``u_r = -cos(theta)`` and ``u_theta =
+        sin(theta)``. Axle boxes and point masses count with their own masses.
+        """
+        lift = np.tile([-1.0, 0.0, 1.0], self.free.shape[0] // 3)
+        free = self.free
+        weight: Real = -GRAVITY * (self.mass @ ((free.T @ lift) / free.multiply(free).sum(axis=0)))
+        return weight
+
+
+def total_mass(wheelset: Wheelset, mesh: SectionMesh) -> float:
+    """Mass of a wheelset with axle boxes and equipment, kg."""
+    solid = solid_mass(mesh, wheelset.material)
+    return solid + 2 * wheelset.axle_boxes.mass + sum(item.mass for item in wheelset.masses)
+
+
+def held(stiffness: sp.csc_array, free: sp.csc_array) -> sp.csc_array:
+    """Stiffness of n = 0, which is free to move along y or to turn, with one such unknown held.
+
+    Forces in equilibrium leave no force there, and the same stress.
+    """
+    place = int(np.flatnonzero(free.indices % 3 != 0)[0])
+    hold = sp.coo_array(([stiffness.diagonal().max()], ([place], [place])), shape=stiffness.shape)
+    return sp.csc_array(stiffness + hold)
 
 
 def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> HarmonicModel:
@@ -77,31 +109,41 @@ def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> HarmonicModel:
             radius = wheelset.axle.section_over(*item.ends, item.name).diameter / 2
             motion = sp.csc_array(free.T @ section_motion(mesh, radius, *item.ends))
             mass = mass + motion @ sp.diags_array([item.mass, item.inertia]) @ motion.T
-    contacts = free.T @ contact_displacements(wheelset, mesh)
+    contacts = free.T @ contact_displacements(wheelset, mesh, "up")
     return HarmonicModel(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes)
 
 
-def contact_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
-    """Vectors (all unknowns, 2) that read ``xi_w`` of wheels 1 and 2 at theta = 0, the lowest point of the tread.
+def contact_displacements(wheelset: Wheelset, mesh: SectionMesh, direction: Direction) -> Real:
+    """Vectors (all unknowns, 2) that read a displacement of wheels 1 and 2 at theta = 0, the lowest point of the tread.
 
-    There ``xi_w`` is upwards and inwards, -u_r, for every n; a force of 1 N enters every harmonic with weight 1.
+    ``up`` is ``xi_w``, inwards, -u_r, and ``left`` is u_y, for every n; a force of 1 N enters every harmonic with
+    weight 1. ``forward`` reads u_theta of the fields that are antisymmetric about theta = 0 (n > 0)::
+
+        u_r = U_r sin(n theta),  u_y = U_y sin(n theta),  u_theta = -U_theta cos(n theta)
+
+    They are the symmetric ones turned by a quarter of a period, with the same matrices.
     """
     vectors = np.zeros((3 * len(mesh.points), 2))
+    unknown, sign = DIRECTIONS[direction]
     for wheel, y in enumerate(wheelset.contact_positions):
         nodes, weights = on_surface(mesh, wheelset.wheel.rolling_radius, y, y)
-        np.add.at(vectors[:, wheel], 3 * nodes, -weights)
+        np.add.at(vectors[:, wheel], 3 * nodes + unknown, sign * weights)
     return vectors
 
 
 def bearing_displacements(wheelset: Wheelset, mesh: SectionMesh) -> Real:
     """Vectors (all unknowns, 2) that read the mean upward displacement of the bearing surfaces (n = 1)."""
-    vectors = np.zeros((3 * len(mesh.points), 2))
+    return np.stack([section_motion(mesh, *surface)[:, 0] for surface in bearing_surfaces(wheelset)], axis=1)
+
+
+def bearing_surfaces(wheelset: Wheelset) -> list[tuple[float, float, float]]:
+    """Radius, first and last y, m, of the journals' surfaces under the axle boxes next to wheels 1 and 2."""
     boxes = wheelset.axle_boxes
-    for box, side in enumerate((-1, 1)):
+    found = []
+    for side in (-1, 1):
         low, high = (side * boxes.distance + end * boxes.bearing_length / 2 for end in (-1, 1))
-        radius = wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2
-        vectors[:, box] = section_motion(mesh, radius, low, high)[:, 0]
-    return vectors
+        found.append((wheelset.axle.section_over(low, high, "bearing of the axle box").diameter / 2, low, high))
+    return found
 
 
 def section_motion(mesh: SectionMesh, radius: float, low: float, high: float) -> Real:

@@ -16,10 +16,12 @@ import numpy as np
 from ..errors import InputError
 from ..inputs.schema import Quantity, check, quantity
 from ..runtime.arrays import Real
+from .around import Around, angles_of
 from .reduced import ReducedWheelset
 from .reduction import diagonalised
 from .static_loads import nominal_torsion
 from .stress_node import NAME, check_names
+from .vehicle import Vehicle, on_vehicle
 
 Numbers = tuple[float, ...]
 Rows = tuple[Numbers, ...]
@@ -28,6 +30,8 @@ FREQUENCY = Quantity("Hz", 0.1, 1e5, "the natural frequency of the wheelset on i
 DAMPING = Quantity("", 1e-7, 5.0, "the damping ratio")
 MASS = Quantity("kg", 1e-12, 1e12, "the modal mass")
 DIAMETER = Quantity("m", 0.05, 0.4, "the axle's diameter at the node")
+ONE_SUSPENSION = 0.02
+"""Share by which the stiffnesses of both suspensions may differ that follow from the modes."""
 IN_COMMON = 5.0
 """Factor between the stress of all modes and the static stress, at which units or normalisation are not the same."""
 
@@ -63,6 +67,8 @@ class ImportedNode:
     """(2, 6) Pa/N: by 1 N upwards on wheel 1, and on wheel 2."""
     diameter: float | None = None
     """Of the axle there, m: torque needs it."""
+    own_weight: Numbers = ()
+    """(6,) Pa: by the wheelset's own weight, hung up in its suspension; ``loads.own_weight`` needs it."""
 
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):
@@ -124,6 +130,7 @@ class ImportedWheelset:
             _shape(f"stress_nodes.{node.name}.position", node.position, 3)
             _shape(f"stress_nodes.{node.name}.modal", node.modal, found, 6)
             _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
+            _shape(f"stress_nodes.{node.name}.own_weight", node.own_weight, 6, optional=True)
         self._check_units()
 
     @property
@@ -142,8 +149,26 @@ class ImportedWheelset:
         """Names of the parts at which a torque can act."""
         return [*self.places]
 
-    def reduced(self) -> ReducedWheelset:
-        """Reduced model of its modes."""
+    @property
+    def suspension_stiffness(self) -> float:
+        """Stiffness of one primary suspension, N/m: a force at one lifts it by that alone, and the other one not.
+
+        Raises InputError for modes that do not say it.
+        """
+        if not self.modes.suspension:
+            raise InputError("a vehicle needs the modes' lift at the suspension: give modes.suspension")
+        omega, norm, *_ = self._normalised()
+        boxes = np.array(self.modes.suspension) / norm
+        first, second = np.linalg.eigvalsh(boxes.T @ (boxes / omega[:, np.newaxis] ** 2))
+        if not second > first > (1.0 - ONE_SUSPENSION) * second:
+            raise InputError(
+                f"modes.suspension says {1 / second:.4g} and {1 / first:.4g} N/m of two springs, or modes are missing: "
+                "give bounce and roll on two equal suspensions"
+            )
+        return float(1.0 / second)
+
+    def reduced(self, vehicle: Vehicle | None = None) -> ReducedWheelset:
+        """Reduced model of its modes, under a vehicle if there is one."""
         modes, (omega, norm, modal, static, of_modes) = self.modes, self._normalised()
         ratios = -np.array(modes.poles)[:, 0] / omega if modes.poles else np.array(modes.damping_ratios)
         lift = np.array(modes.lift) / norm
@@ -151,33 +176,49 @@ class ImportedWheelset:
         if modes.suspension:
             boxes = np.array(modes.suspension) / norm
             damping += self.suspension_damping * boxes @ boxes.T
+        nodes = len(self.stress_nodes)
+        compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
+        shapes, rows = lift, modal.transpose(0, 2, 1)
+        if vehicle is not None:
+            spring, dashpot = self.suspension_stiffness, self.suspension_damping
+            omega, damping, own, stress = on_vehicle(
+                omega, damping, boxes, rows.reshape(-1, len(omega)), spring, dashpot, vehicle
+            )
+            shapes, rows = own.T @ lift, stress.reshape(nodes, 6, len(omega))
         poles, left, right = diagonalised(omega, damping)
         order = np.argsort(np.abs(poles), kind="stable")
         poles, left, right = poles[order], left[order], right[:, order]
-        nodes = len(self.stress_nodes)
-        compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
         return ReducedWheelset(
             poles=poles,
-            inputs=left @ lift,
-            outputs=lift.T @ right,
-            stress_outputs=modal.transpose(0, 2, 1) @ right,
+            inputs=left @ shapes,
+            outputs=shapes.T @ right,
+            stress_outputs=rows @ right,
             stress_feedthrough=static - of_modes,
             displacement_residual=np.array(self.static_lift) - compliance if self.static_lift else np.zeros((2, 2)),
             node_names=tuple(node.name for node in self.stress_nodes),
-            node_positions=np.array([node.position for node in self.stress_nodes]).reshape(nodes, 3),
+            node_positions=self._positions,
             mass=self.mass,
             rolling_radius=self.rolling_radius,
         )
 
-    def torsion(self, moments: Mapping[str, float]) -> Real:
-        """Stress (N, 6), Pa, under moments about y, N m, by part: that of plain shafts. Raises InputError."""
+    def torsion(self, moments: Mapping[str, float]) -> Around:
+        """Stress at the nodes under moments about y, N m, by part: that of plain shafts. Raises InputError."""
         diameters = []
         for node in self.stress_nodes:
             if node.diameter is None:
                 raise InputError(f"stress_nodes.{node.name}.diameter is missing: torque needs the axle's there, m")
             diameters.append(node.diameter)
-        positions = np.array([node.position for node in self.stress_nodes]).reshape(-1, 3)
-        return nominal_torsion(positions, diameters, self.places, moments)
+        return nominal_torsion(self._positions[:, 1], diameters, self.places, moments)
+
+    def under_own_weight(self) -> Around:
+        """Stress at the nodes of the own weight, which bends the axle in the vertical plane."""
+        stresses = np.array([node.own_weight for node in self.stress_nodes]).reshape(-1, 6)
+        return Around.vertical_of_points(stresses, angles_of(self._positions))
+
+    @property
+    def _positions(self) -> Real:
+        """(N, 3) of the nodes, m."""
+        return np.array([node.position for node in self.stress_nodes]).reshape(-1, 3)
 
     def _normalised(self) -> tuple[Real, Real, Real, Real, Real]:
         """Natural frequencies (P,) rad/s, norms of the shapes (P, 1), and stresses at the nodes (nodes, 6, ...).

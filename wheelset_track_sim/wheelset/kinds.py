@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +11,18 @@ from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import plain, read, unknown
 from ..runtime.progress import Progress
+from .harmonics import total_mass
 from .imported import ImportedWheelset
+from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .reduction import reduced_wheelset
+from .vehicle import Vehicle
 from .wheelset import Wheelset
 
 AnyWheelset = Wheelset | ImportedWheelset
 TABLES = ("poles", "lift", "suspension", "modal", "static", "static_lift")
 """Arrays of imported wheelsets that a file may hold as text, a row a line."""
-LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position")
+LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position", "own_weight")
 """The same without rows."""
 
 
@@ -29,8 +32,8 @@ def load_wheelset(source: str | Path | Mapping[str, Any]) -> AnyWheelset:
     Parameters
     ----------
     source
-        Name of a shipped wheelset (``x40``, ``trailer``, ``trailer_calculix``), path of a YAML or NumPy file, or a
-        mapping with the keys of such a file.
+        Name of a shipped wheelset (``x40``, ``trailer``, ``freight``, ``metro``, ``trailer_calculix``), path of a YAML
+        or NumPy file, or a mapping with the keys of such a file.
 
     Returns
     -------
@@ -88,11 +91,26 @@ def with_geometry(wheelset: AnyWheelset) -> Wheelset:
     return wheelset
 
 
-def reduce_wheelset(wheelset: AnyWheelset, progress: Progress | None = None) -> ReducedWheelset:
-    """Reduced model of either kind, from the cache if it takes long to build."""
+@lru_cache(maxsize=8)
+def mass_of(wheelset: AnyWheelset) -> float:
+    """Mass of either kind with axle boxes, kg."""
+    return wheelset.mass if isinstance(wheelset, ImportedWheelset) else total_mass(wheelset, wheelset_mesh(wheelset))
+
+
+def reduce_wheelset(
+    wheelset: AnyWheelset, progress: Progress | None = None, vehicle: Vehicle | None = None
+) -> ReducedWheelset:
+    """Reduced model of either kind, under a vehicle if there is one; from the cache if it takes long to build."""
     if isinstance(wheelset, ImportedWheelset):
-        return wheelset.reduced()
-    return reduced_wheelset(wheelset, progress=progress)
+        return wheelset.reduced(vehicle)
+    return reduced_wheelset(wheelset, vehicle=vehicle, progress=progress)
+
+
+def primary_suspension(wheelset: AnyWheelset) -> tuple[float, float]:
+    """Stiffness, N/m, and damping, N s/m, of one primary suspension; InputError for modes that do not say it."""
+    if isinstance(wheelset, ImportedWheelset):
+        return wheelset.suspension_stiffness, wheelset.suspension_damping
+    return wheelset.axle_boxes.stiffness, wheelset.axle_boxes.damping
 
 
 @cache

@@ -39,23 +39,24 @@ def section_blocks(wheelset: Wheelset, size: MeshSize | None = None) -> dict[str
     size = size or wheelset.mesh
     y = _axle_nodes(wheelset, size)
     surface = surface_radius(wheelset, y)
-    layers = ceil(surface.max() / size.radial)
+    bore = wheelset.axle.bore / 2
+    layers = ceil((surface.max() - bore) / size.radial)
     depth = with_middles(1.0 - (1.0 - np.arange(layers + 1) / layers) ** GRADING)
-    parts = {"axle": [grid(y[:, None], surface[:, None] * depth[None, :])]}
+    parts = {"axle": [grid(y[:, None], bore + (surface[:, None] - bore) * depth[None, :])]}
 
     def ring(ends: tuple[float, float], outer_radius: float) -> list[Real]:
         seat = between(y, *ends)
-        bore = surface_radius(wheelset, seat)[0]
-        return [grid(seat[:, None], divided([bore, outer_radius], size.attached)[None, :])]
+        inner_radius = surface_radius(wheelset, seat)[0]
+        return [grid(seat[:, None], divided([inner_radius, outer_radius], size.attached)[None, :])]
 
     if wheelset.gearbox:
         parts["gearbox"] = ring(wheelset.gearbox_ends, wheelset.gearbox.outer_radius)
     for name, side in (("wheel_1", -1), ("wheel_2", 1)):
         low, high = sorted((side * wheelset.wheel.hub_inner, side * wheelset.wheel.hub_outer))
         seat = between(y, low, high)
-        bore = surface_radius(wheelset, seat)[0]
+        inner_radius = surface_radius(wheelset, seat)[0]
         # A wheel is meshed at positive distances from the track's centre, then put on its side.
-        wheel = _wheel_blocks(wheelset.wheel, wheelset.brake_discs, np.sort(side * seat), bore, size)
+        wheel = _wheel_blocks(wheelset.wheel, wheelset.brake_discs, np.sort(side * seat), inner_radius, size)
         parts[name] = [block[::side] * np.array([side, 1.0]) for block in wheel]
     return parts | {item.name: ring(item.ends, item.outer_radius) for item in wheelset.rings}
 
@@ -117,9 +118,11 @@ def _apart(values: list[float]) -> list[float]:
     return [value for index, value in enumerate(values) if index == 0 or value - values[index - 1] > RESOLUTION]
 
 
-def _wheel_blocks(wheel: Wheel, discs: BrakeDiscs | None, seat: Real, bore: float, size: MeshSize) -> Iterator[Real]:
+def _wheel_blocks(
+    wheel: Wheel, discs: BrakeDiscs | None, seat: Real, inner_radius: float, size: MeshSize
+) -> Iterator[Real]:
     """Blocks of a wheel on the positive side; ``seat`` are the axle's nodes under the hub."""
-    yield grid(seat[:, None], divided([bore, wheel.hub_radius], size.attached)[None, :])
+    yield grid(seat[:, None], divided([inner_radius, wheel.hub_radius], size.attached)[None, :])
 
     radii = [wheel.hub_radius, wheel.rim_radius]
     if discs:

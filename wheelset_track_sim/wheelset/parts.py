@@ -12,6 +12,9 @@ from math import acos, sin
 from ..errors import InputError
 from ..inputs.schema import check, quantity
 
+THICKEST_BORE = 0.8
+"""Of the diameter of a section: a thinner wall is no axle any more."""
+
 
 class Checked:
     """Checks the numbers of a dataclass against their declared limits when an instance is made."""
@@ -61,10 +64,12 @@ class Step:
 
 @dataclass(frozen=True)
 class Axle(Checked):
-    """Stepped solid axle: sections in order of y."""
+    """Stepped axle, solid or bored along its whole length: sections in order of y."""
 
     start: float = quantity("m", -2.0, 0.0, "the y at which the first section starts")
     sections: tuple[AxleSection, ...] = ()
+    bore: float = quantity("m", 0.0, 0.3, "the diameter of the bore along the axle", default=0.0)
+    """0 is a solid axle."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -78,6 +83,12 @@ class Axle(Checked):
             if high <= low:
                 raise InputError(
                     f"axle section {name} ends at y = {high:g} m, before it starts: give sections in order of y"
+                )
+        for section in self.sections:
+            if self.bore > THICKEST_BORE * section.diameter:
+                raise InputError(
+                    f"axle.bore = {self.bore:g} m leaves too thin a wall of axle section {section.name}: give at most "
+                    f"{THICKEST_BORE:g} of its diameter, {THICKEST_BORE * section.diameter:g} m"
                 )
         for step in self.steps():
             if step.high - step.low >= step.fillet:

@@ -17,24 +17,30 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from ..runtime.arrays import Real
-from .harmonic_elements import free_unknowns, nodal_stress, stiffness_and_mass
-from .harmonics import on_surface
+from .around import Around
+from .harmonic_elements import free_unknowns, stiffness_and_mass
+from .harmonics import held, on_surface
 from .mesh import axle_mesh, wheelset_mesh
 from .section_mesh import SectionMesh
-from .stress_points import in_axes, on_axle
+from .stress_points import surface_amplitudes
 from .wheelset import Wheelset
 
 
-def lame_pressure(youngs_modulus: float, interference: float, radius: float, outer_radius: float) -> float:
-    """Pressure, Pa, between a solid shaft and a hub of one material; ``interference`` is that of the diameters, m.
+def lame_pressure(
+    youngs_modulus: float, interference: float, radius: float, outer_radius: float, bore_radius: float = 0.0
+) -> float:
+    """Pressure, Pa, between a shaft and a hub of one material; ``interference`` is that of the diameters, m.
 
-    G. Lamé: ``p = E interference / (4 radius) (1 - (radius / outer_radius)^2)``.
+    G. Lamé: ``p = E interference / (4 radius) h / (1 + h b^2 / (radius^2 - b^2))`` with the bore's radius ``b`` and the
+    hub's part ``h = 1 - (radius / outer_radius)^2``; a solid shaft has b = 0.
     """
-    return youngs_modulus * interference / (4 * radius) * (1 - (radius / outer_radius) ** 2)
+    hub = 1 - (radius / outer_radius) ** 2
+    bored = bore_radius**2 / (radius**2 - bore_radius**2)
+    return youngs_modulus * interference / (4 * radius) * hub / (1 + hub * bored)
 
 
-def press_fit_stress(wheelset: Wheelset, positions: Real, wheels: float, equipment: float) -> Real:
-    """Stress (N, 6), Pa, at places (N, 3) on the axle under the interference of wheels, and of gearbox and rings, m."""
+def press_fit_stress(wheelset: Wheelset, y: Real, wheels: float, equipment: float) -> Around:
+    """Stress at places ``y`` (N,), m, of the axle under the interference of wheels, and of gearbox and rings, m."""
     mesh = axle_mesh(wheelset)
     outer = {f"the hub of wheel {wheel}": (wheelset.wheel.hub_radius, wheels) for wheel in (1, 2)}
     if wheelset.gearbox:
@@ -44,15 +50,16 @@ def press_fit_stress(wheelset: Wheelset, positions: Real, wheels: float, equipme
     for what, low, high in wheelset.attached:
         radius = wheelset.axle.section_over(low, high, what).diameter / 2
         outer_radius, interference = outer[what]
-        pressure = lame_pressure(wheelset.material.youngs_modulus, interference, radius, outer_radius)
+        bore = wheelset.axle.bore / 2
+        pressure = lame_pressure(wheelset.material.youngs_modulus, interference, radius, outer_radius, bore)
         nodes, weights = on_surface(mesh, radius, low, high)
         np.add.at(force, 3 * nodes, -pressure * 2 * np.pi * radius * (high - low) * weights)
     free = free_unknowns(mesh, 0)
-    return _stress(wheelset, mesh, free, force, positions)
+    return _stress(wheelset, mesh, free, force, y)
 
 
-def torsion_stress(wheelset: Wheelset, positions: Real, moments: Mapping[str, float]) -> Real:
-    """Stress (N, 6), Pa, at places (N, 3) on the axle under moments about y, N m, by part; together they are zero.
+def torsion_stress(wheelset: Wheelset, y: Real, moments: Mapping[str, float]) -> Around:
+    """Stress at places ``y`` (N,), m, of the axle under moments about y, N m, by part; together they are zero.
 
     Parts are ``gearbox``, equipment by name, ``wheel_1`` and ``wheel_2``, whose moments act at the tread. Raises
     InputError for a part that the wheelset does not have.
@@ -67,23 +74,21 @@ def torsion_stress(wheelset: Wheelset, positions: Real, moments: Mapping[str, fl
     twisting = np.flatnonzero(mesh.points[:, 1] > 0.0)
     size = 3 * len(mesh.points)
     free = sp.coo_array((np.ones(len(twisting)), (3 * twisting + 2, np.arange(len(twisting)))), (size, len(twisting)))
-    return _stress(wheelset, mesh, free.tocsc(), force, positions)
+    return _stress(wheelset, mesh, free.tocsc(), force, y)
 
 
 def nominal_torsion(
-    positions: Real, diameters: Sequence[float], places: Mapping[str, float], moments: Mapping[str, float]
-) -> Real:
-    """Stress (N, 6), Pa, at places (N, 3) on a shaft under moments about y at ``places`` (y, m): tau = 16 T / (pi d^3).
+    y: Real, diameters: Sequence[float], places: Mapping[str, float], moments: Mapping[str, float]
+) -> Around:
+    """Stress at places ``y`` (N,), m, of a solid shaft under moments about y at ``places``, m: tau = 16 T / (pi d^3).
 
     T is the moment that the part at larger y exerts on the part at smaller y, about y.
     """
-    x, y, z = positions.T
     twist = -sum(moment * (places[part] < y) for part, moment in moments.items())
     tau = 16 * twist / (np.pi * np.asarray(diameters, dtype=np.float64) ** 3)
-    angle = np.arctan2(x, z)
-    stress = np.zeros((len(positions), 6))
-    stress[:, 3], stress[:, 5] = tau * np.cos(angle), -tau * np.sin(angle)
-    return stress
+    amplitudes = np.zeros((len(y), 6))
+    amplitudes[:, 5] = -tau
+    return Around.even(amplitudes)
 
 
 def reacted(torque_at: Sequence[str], wheel_1_share: float) -> dict[str, float]:
@@ -108,15 +113,9 @@ def _grip(wheelset: Wheelset, part: str) -> tuple[float, float, float]:
     return radius, *item.ends
 
 
-def _stress(wheelset: Wheelset, mesh: SectionMesh, free: sp.csc_array, force: Real, positions: Real) -> Real:
-    """Stress (N, 6) at places (N, 3) under forces (all unknowns,) in equilibrium, held where nothing holds them."""
+def _stress(wheelset: Wheelset, mesh: SectionMesh, free: sp.csc_array, force: Real, y: Real) -> Around:
+    """Stress at places ``y`` (N,) under forces (all unknowns,) in equilibrium, held where nothing holds them."""
     whole, _ = stiffness_and_mass(mesh, wheelset.material, 0)
-    stiffness = (free.T @ whole @ free).tocsc()
-    hold = sp.coo_array(([stiffness.diagonal().max()], ([0], [0])), shape=stiffness.shape)
-    displacements = free @ splu((stiffness + hold).tocsc()).solve(free.T @ force)
-    found = np.zeros((len(positions), 6))
-    for place, (x, y, z) in enumerate(positions):
-        nodes, weights = on_axle(wheelset, mesh, y)
-        amplitudes = (nodal_stress(mesh, wheelset.material, 0, nodes) @ displacements).reshape(-1, 6)
-        found[place] = in_axes(float(np.arctan2(x, z)), 1.0, 1.0) @ (weights @ amplitudes)
-    return found
+    stiffness = held((free.T @ whole @ free).tocsc(), free)
+    displacements = free @ splu(stiffness).solve(free.T @ force)
+    return Around.even(surface_amplitudes(wheelset, mesh, 0, displacements, y))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..runtime.arrays import Real
 from ..samples import principal
 from . import mesh as wheelset_mesh
-from .harmonic_elements import shape_functions
+from .harmonic_elements import nodal_stress, shape_functions
 from .reduced import COMPONENTS
 from .section_mesh import RESOLUTION, SectionMesh
 from .stress_node import StressNode
@@ -120,6 +120,16 @@ def on_axle(wheelset: Wheelset, mesh: SectionMesh, y: float) -> tuple[NDArray[np
     xi = roots[np.abs(roots).argmin()]
     values, _ = shape_functions(np.array([[xi, -1.0]]))
     return side, values[0, [0, 4, 1]]
+
+
+def surface_amplitudes(wheelset: Wheelset, mesh: SectionMesh, n: int, displacements: Real, y: Real) -> Real:
+    """Stress amplitudes (N, 6) of harmonic ``n`` on the axle's surface at ``y`` (N,), by all displacements, m."""
+    found = np.zeros((len(y), 6))
+    for place, along in enumerate(y):
+        nodes, weights = on_axle(wheelset, mesh, float(along))
+        amplitudes = (nodal_stress(mesh, wheelset.material, n, nodes) @ displacements).reshape(-1, 6)
+        found[place] = weights @ amplitudes
+    return found
 
 
 def around_axle(n: int, angle: float) -> Real:

@@ -61,6 +61,7 @@ compliances = st.sampled_from([0.0, 1.5e-10, 1e-9])
 
 @settings(max_examples=80)
 @given(steps, depths, compliances, st.integers(0, 1))
+@pytest.mark.slow
 def test_is_the_plain_active_set(law, step, depth, compliance, wheel):
     approach = total_separation(law, wheel, step, step).min() + depth
     force, stiffness, status, elements, pressure = in_order(law, step, approach, compliance, wheel=wheel)

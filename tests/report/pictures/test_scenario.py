@@ -107,6 +107,7 @@ def test_a_picture_overwrites_no_scenario(tmp_path, capsys):
     assert mine.read_text(encoding="utf-8") == "name: mine\nspeed: 30.0\n"
 
 
+@pytest.mark.slow
 def test_the_gallery_has_every_shipped_scenario_and_every_picture():
     page = (DOCS / "gallery.md").read_text(encoding="utf-8")
     shown = re.findall(r"^### `(\w+)`$", page, re.MULTILINE)

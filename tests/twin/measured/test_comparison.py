@@ -113,6 +113,7 @@ def test_a_train_that_brakes_is_compared_over_time() -> None:
         compare([made[0], made[2]], measured)
 
 
+@pytest.mark.slow
 def test_what_repeats_is_ambiguous_unless_the_lag_is_given_about(blocks: list[SampleBlock]) -> None:
     smooth = Simulator(load_scenario("undamaged"))
     ripple = [smooth.advance(12 * 600)]  # sleepers alone
@@ -130,6 +131,7 @@ def test_what_repeats_is_ambiguous_unless_the_lag_is_given_about(blocks: list[Sa
     how=st.sampled_from(["", "lag", "origin"]),
 )
 @settings(max_examples=15)
+@pytest.mark.slow
 def test_time_stamps_are_compared_by_their_origin(
     blocks: list[SampleBlock], tmp_path_factory: pytest.TempPathFactory, start: Decimal, unit: str, how: str
 ) -> None:
@@ -207,6 +209,7 @@ def test_tables_are_for_people(bag: Path, capsys: pytest.CaptureFixture[str]) ->
     assert main(["compare", str(bag), str(EXAMPLE.with_name("none.csv"))]) == 2
 
 
+@pytest.mark.slow
 def test_a_bag_is_a_measurement_too(bag: Path, blocks: list[SampleBlock]) -> None:
     measured = read_measurement(bag)
     assert {"wheel_1", "wheel_2", "A1", "A1_yy"} <= measured.signals.keys()

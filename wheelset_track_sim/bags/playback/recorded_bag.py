@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rosbags.serde import SerdeError
 
 from ...errors import RecordingError
 from ..bag_reader import BagReader
@@ -152,4 +153,14 @@ class RecordedBag:
 
 
 def _played(mcap: McapReader, chunk: Chunk) -> list[Played]:
-    return [Played(item.log_time, item.topic.name, bytes(item.data)) for item in mcap.messages(chunk)]
+    """Messages of a chunk, those of earlier versions of this package as they are today."""
+    found = []
+    for item in mcap.messages(chunk):
+        data, conversion = bytes(item.data), item.topic.conversion
+        if conversion is not None:
+            try:
+                data = conversion(data)
+            except SerdeError:  # of another type than its definition says
+                continue
+        found.append(Played(item.log_time, item.topic.name, data))
+    return found

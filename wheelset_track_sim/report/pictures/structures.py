@@ -38,7 +38,7 @@ def draw_wheelset(axes: Axes, outline: SectionOutline) -> None:
         axes.annotate(
             name,
             (y, z),
-            xytext=(0, 16 if z >= 0 else -22),
+            xytext=(0, 16 if z > 1e-3 else -22),  # below for the front: the top may have a node, too
             textcoords="offset points",
             ha="center",
             fontsize=9,
