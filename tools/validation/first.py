@@ -96,6 +96,17 @@ def _trusted(low: str, high: str, variants: impact.Found) -> list[list[Any]]:
             "fillets, diameters and bearings that are not known (5)",
         ],
         [
+            "axle stress beside strain gauges and limits",
+            "with `loads: {own_weight: true}`",
+            f"at 12 t static stresses are up to {number(100 * wheelsets.excess(), 0)} % too high without it (5)",
+        ],
+        [
+            "anything below 15 Hz",
+            "with a `vehicle`",
+            "suspensions are held fixed without one; a run with such waves warns "
+            "([wheelsets.md](wheelsets.md#the-vehicle-above))",
+        ],
+        [
             "any of them, at the default step",
             f"force {number(of_steps[0])} %, stress {number(of_steps[1])} %, smallest force {number(of_steps[2])} %",
             "half the step, from 5 to 100 m/s (7)",
