@@ -111,9 +111,9 @@ def test_a_proof_that_is_interrupted_does_not_end_with_status_0(bag: Path, tmp_p
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate()
-    assert process.returncode == 1
+    assert process.returncode in (1, -signal.SIGINT)  # the latter if it came while modules were imported
     assert out == ""
-    assert err.endswith("interrupted\n")
+    assert "nterrupt" in err.splitlines()[-1]
 
 
 def test_digests_of_the_first_version_are_not_compared_with_those_of_today() -> None:

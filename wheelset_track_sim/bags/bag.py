@@ -126,6 +126,8 @@ class Bag:
                 if state is not None:
                     tell(state)
                 continue
+            if self.reader.made(found, partial(span_of, message)) is None:
+                continue
             if message.decimation != 1:
                 raise RecordingError(
                     f"{self.path} holds only each {message.decimation}th step of {topic.name}: record it at full rate"
