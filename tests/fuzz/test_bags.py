@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mcap.records import Metadata
 
 from support.blocks import small_run
-from support.mutants import bounded, mutated_bytes, mutated_trees
+from support.mutants import MUTANTS, bounded, mutated_bytes, mutated_trees
 from support.rewriting import KINDS, Entry, Kind, entries_of, write
 from wheelset_track_sim.bags import Bag, read_bag
 from wheelset_track_sim.bags.definitions import deserialise, short_name, typestore
@@ -25,8 +25,10 @@ from wheelset_track_sim.inputs.yaml12 import dump, parse
 from wheelset_track_sim.report.survey import survey
 from wheelset_track_sim.twin.run_inputs import run_inputs
 
-pytestmark = pytest.mark.fuzz
-quiet = settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=40)
+pytestmark = [pytest.mark.fuzz, pytest.mark.slow]
+quiet = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=MUTANTS
+)
 
 
 @pytest.fixture(scope="module")

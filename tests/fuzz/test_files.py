@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from support.mutants import bounded, mutated_bytes, mutated_trees
+from support.mutants import MUTANTS, bounded, mutated_bytes, mutated_trees
 from wheelset_track_sim.contact.profile_files import ProfileFile, read_points
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs import shipped
@@ -24,8 +24,14 @@ from wheelset_track_sim.twin.measured.reading import read_measurement
 from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.vehicle import load_vehicle
 
-pytestmark = [pytest.mark.fuzz, pytest.mark.filterwarnings("ignore::wheelset_track_sim.errors.InputWarning")]
-quiet = settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=40)
+pytestmark = [
+    pytest.mark.fuzz,
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore::wheelset_track_sim.errors.InputWarning"),
+]
+quiet = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=MUTANTS
+)
 CONFIG = files("wheelset_track_sim") / "data" / "config"
 READERS: dict[str, Callable[[str], Any]] = {
     "scenarios": load_scenario,

@@ -7,8 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from hypothesis import settings
 from hypothesis import strategies as st
 
+MUTANTS = {20: 5, 100: 25}.get(settings.default.max_examples, settings.default.max_examples)
+"""Mutants of each kind: few in the suite, all that the profile of ``make fuzz`` says."""
 PROCESSOR_TIME = 10.0
 """Bound on an operation, s of processor."""
 MEMORY = 1 << 30
