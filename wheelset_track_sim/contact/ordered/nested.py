@@ -11,11 +11,14 @@ from ...runtime.arrays import Real
 from ..geometry import ContactGeometry
 from ..hertz import HertzContact
 from ..influence import influence_table
+from .hinge_kernels import BLOCK, Hinges
 from .order_kernels import NestedContacts
 from .panel_kernels import PANEL, factored, inverted, row
 
 MOST_ELEMENTS = 1536
 """Contacts have about half of them, at 500 kN; 12 MB are stored for them, and a quarter of a second is spent."""
+DISTANCE = 3e-3
+"""b of ``hinge_kernels``, m."""
 
 
 def nested_contacts(
@@ -58,6 +61,42 @@ def no_nested_contacts() -> NestedContacts:
     return NestedContacts(
         np.zeros(0, np.int64), none, none, none, np.full(1, -np.inf), np.zeros(1, np.int64), none, none, none, 0.0, 0.0
     )
+
+
+def hinges(nested: NestedContacts, ny: int, modulus: float, element_area: float, dx: float, dy: float) -> Hinges:
+    """Hinges of the contact filter, for the elements whose part of the inverse is there.
+
+    ``ny`` is the width of the area in elements, ``modulus`` E*, Pa, ``element_area`` s, m^2, and ``dx``, ``dy`` the size
+    of the elements, m.
+    """
+    m = len(nested.punch)
+    inverse, width = np.zeros((m, m)), np.arange(m)
+    for c in range(m):
+        inverse[c, : c + 1] = nested.inverse[row(c) : row(c) + c + 1]
+    sigma = element_area * nested.punch**2
+    opening = inverse @ nested.separation[:m] / nested.punch
+    blocks = width[::BLOCK]
+    force = np.cumsum(sigma[:, np.newaxis] * (inverse / nested.punch[:, np.newaxis]), axis=0)[blocks[1:] - 1]
+    stiffness, moment = np.cumsum(sigma)[blocks[1:] - 1], np.cumsum(sigma * opening)[blocks[1:] - 1]
+    before = np.column_stack([moment / stiffness, stiffness])
+    start = np.maximum.accumulate(opening)[blocks[1:]]
+    return Hinges(
+        rho=(inverse / nested.punch[:, np.newaxis]).astype(np.float32),
+        inner=np.vstack([np.zeros(m), force / stiffness[:, np.newaxis]]).astype(np.float32),
+        opening=np.column_stack([opening, sigma]),
+        before=np.vstack([[0.0, 0.0], before]),
+        edge=np.vstack([[opening[0], 0.0], np.column_stack([start, stiffness * (start - before[:, 0])])]),
+        aside=np.maximum.accumulate(np.append(0, np.abs(nested.element[:m] % ny - ny // 2))),
+        modulus=0.45 * modulus / DISTANCE,
+        along=round(DISTANCE / dx),
+        across=round(DISTANCE / dy),
+    )
+
+
+def no_hinges() -> Hinges:
+    """No filter."""
+    none, pairs = np.zeros((0, 0), np.float32), np.zeros((0, 2))
+    return Hinges(none, none, pairs, pairs, pairs, np.zeros(1, np.int64), 0.0, 1, 1)
 
 
 def _order(geometry: ContactGeometry, wheel: int, separation: Real) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
