@@ -14,7 +14,14 @@ from ..runtime.arrays import Real
 from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .hardness import flag, share_from, stated
-from .law_kernels import ContactLaw, contact_force, solve_bounded, solve_contact, total_separation
+from .law_kernels import (
+    ContactLaw,
+    contact_force,
+    solve_bounded,
+    solve_contact,
+    solve_filtered,
+    total_separation,
+)
 
 REASONS = {
     NOT_CONVERGED: "the active set does not settle",
@@ -87,8 +94,8 @@ _SOLVERS: dict[Any, Address] = {}
 
 
 def solver(law: ContactLaw) -> Address:
-    """What solves a law in the coupled step; compiled when that is called, which takes half a minute, once."""
-    solving = _solving(law)
+    """What filters or solves a law in the coupled step; compiled when that is called, once: it takes half a minute."""
+    solving = solve_filtered if law.hinges[0].opening.size else _solving(law)
     if solving not in _SOLVERS:  # to the compiler, all laws are of one type
         call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
         _SOLVERS[solving] = Address(solving, (0.0, 0.0, 0), call)

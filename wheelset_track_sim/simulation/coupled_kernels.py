@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw, tabulated_force
+from ..contact.ordered.hinge_kernels import FILTERED
 from ..dynamics.interface_kernels import advance, displacements, stresses
 from ..runtime.jit import kernel
 
@@ -22,6 +23,7 @@ def run(
     forces: np.ndarray,
     stress: np.ndarray,
     xi: np.ndarray,
+    untabled: np.ndarray,
 ) -> int:
     """Take one coupled step for each row of ``forces`` (n, 2); returns how many of them were solved.
 
@@ -30,6 +32,7 @@ def run(
     dynamics that loads each contact with the static force; ``tread_origin`` is the step at which angle 0 of the treads
     meets the rail. Fills ``forces`` in N, ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with
     what the force displaces at once.
+    Adds to ``untabled`` (3,) the contacts that were solved and filtered, and keeps the largest estimate of an error, N.
     A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
     none = np.empty((0, 0))
@@ -46,7 +49,12 @@ def run(
             force = tabulated_force(law, wheel, tread, rail, approach, compliance)
             if solver is not None:  # noqa: SIM102 - alone, so that the compiler leaves out what follows
                 if not np.isfinite(force):
-                    force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
+                    force, estimate, status = solver(
+                        law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none
+                    )
+                    untabled[1 if status == FILTERED else 0] += 1
+                    if status == FILTERED:
+                        untabled[2] = max(untabled[2], estimate)
             if not np.isfinite(force):
                 return row
             forces[row, wheel] = force

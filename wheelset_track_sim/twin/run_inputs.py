@@ -81,6 +81,7 @@ def _change(bag: Bag, of: Input) -> RecordedChange:
         data = parse(of.scenario, "it")
         if bag.info.versions.get("wheelset_track_sim", "").startswith("0.1."):
             data = {"settle_on": "smooth"} | data  # as every run of that version did
+        data["contact"] = {"exact": True} | (data.get("contact") or {})  # as runs were before there was a filter
         return RecordedChange(of.revision, of.step, scenario_from(data))
     except InputError as refusal:
         raise RecordingError(

@@ -63,17 +63,16 @@ def no_nested_contacts() -> NestedContacts:
     )
 
 
-def hinges(nested: NestedContacts, ny: int, modulus: float, element_area: float, dx: float, dy: float) -> Hinges:
+def hinges_of(nested: NestedContacts, ny: int, modulus: float, dx: float, dy: float) -> Hinges:
     """Hinges of the contact filter, for the elements whose part of the inverse is there.
 
-    ``ny`` is the width of the area in elements, ``modulus`` E*, Pa, ``element_area`` s, m^2, and ``dx``, ``dy`` the size
-    of the elements, m.
+    ``ny`` is the width of the area in elements, ``modulus`` E*, Pa, and ``dx``, ``dy`` the size of the elements, m.
     """
     m = len(nested.punch)
     inverse, width = np.zeros((m, m)), np.arange(m)
     for c in range(m):
         inverse[c, : c + 1] = nested.inverse[row(c) : row(c) + c + 1]
-    sigma = element_area * nested.punch**2
+    sigma = dx * dy * nested.punch**2
     opening = inverse @ nested.separation[:m] / nested.punch
     blocks = width[::BLOCK]
     force = np.cumsum(sigma[:, np.newaxis] * (inverse / nested.punch[:, np.newaxis]), axis=0)[blocks[1:] - 1]
