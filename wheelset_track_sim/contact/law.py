@@ -178,14 +178,10 @@ def law_of_surfaces(
     nested = (no_nested_contacts(),) * 2
     if solves := _solves(table, rail_table, smooth):
         nested = _nested(geometry, x, y, separation)
-    hinges = (no_hinges(),) * 2
+    hinges = no_hinges()
     if solves and filtered and tables is True and hardness == np.inf:
-        first_hinges = hinges_of(nested[0], ny, geometry.contact_modulus, dx, dy)
-        alike = nested[1] is nested[0]
-        hinges = (
-            first_hinges,
-            first_hinges if alike else hinges_of(nested[1], ny, geometry.contact_modulus, dx, dy),
-        )
+        different = nested[:1] if nested[1] is nested[0] else nested
+        hinges = hinges_of(different, ny, geometry.contact_modulus, dx, dy)
     return ContactLaw(
         tread=tread,
         rail_row=rail_row,

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from ..runtime.arrays import Real
 from ..runtime.jit import inner_kernel, kernel
 from .active_set_kernels import CONVERGED, solve_active_set
-from .ordered.hinge_kernels import FILTERED, Hinges, filtered_force
+from .ordered.hinge_kernels import Hinges
 from .ordered.nested_kernels import solve_in_order
 from .ordered.order_kernels import FAR, NestedContacts, gaps_in_order
 from .yielding_kernels import exceeds, solve_yielding
@@ -81,8 +81,8 @@ class ContactLaw(NamedTuple):
     """Highest of the rail within the area, (2, n_r), m."""
     nested: tuple[NestedContacts, NestedContacts]
     """Elements of each wheel in the order of the nested solver."""
-    hinges: tuple[Hinges, Hinges]
-    """The contact filter of each wheel; without elements where contacts are not filtered."""
+    hinges: Hinges
+    """The contact filter; without elements where contacts are not filtered."""
     largest_estimate: float
     """Largest estimate of the error of a filtered force, N."""
     in_contact: NDArray[np.bool_]
@@ -193,42 +193,6 @@ def solve_contact(
     mirrored = law.tread_mirrored[wheel, tread_index % law.tread.shape[1]] and law.rail_mirrored[wheel]
     gap = total_separation(law, wheel, tread_index, rail_index)
     return solve_active_set(gap, mirrored, law.influence, law.element_area, approach, compliance, in_contact, pressure)
-
-
-@kernel
-def solve_filtered(
-    law: ContactLaw,
-    wheel: int,
-    tread_index: int,
-    rail_index: int,
-    approach: float,
-    compliance: float,
-    in_contact: NDArray[np.bool_],
-    pressure: Real,
-) -> tuple[float, float, int]:
-    """Filter a contact without a table, or solve it; parameters and returns are those of ``solve_contact``.
-
-    With a status of FILTERED the second value is the estimate of the error, N, and ``in_contact`` is left as it is.
-    """
-    tread, rail = tread_index % law.table.shape[1], rail_index % law.rail_table.shape[1]
-    if table_number(law, wheel, tread, rail) < 0:
-        force, estimate, status = filtered_force(
-            law.hinges[wheel],
-            law.nested[wheel],
-            law.separation.shape[1:],
-            law.tread[wheel],
-            law.rail_row[wheel],
-            law.rail,
-            tread,
-            rail,
-            law.element_area,
-            approach,
-            compliance,
-            law.largest_estimate,
-        )
-        if status == FILTERED:
-            return force, estimate, status
-    return solve_contact(law, wheel, tread_index, rail_index, approach, compliance, in_contact, pressure)
 
 
 @kernel

@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from ..contact.solutions import solver
+from ..contact.solutions import contact_filter, solver
 from ..errors import ContactError, DivergenceError
 from ..runtime.arrays import Real
 from ..samples.block import NO_CONTACTS, ContactCounts
@@ -64,7 +64,8 @@ class Coupled:
         DivergenceError if a sample is not finite.
         """
         self._make_ready(speed, ahead)
-        largest = self.models.tolerance * condition.scenario.wheel_load
+        filtered = condition.law.hinges.element.size > 0
+        largest = self.models.tolerance * condition.scenario.wheel_load if filtered else 0.0
         law, steps = condition.law._replace(largest_estimate=largest), len(preload)
         tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
@@ -81,6 +82,7 @@ class Coupled:
                     self._dynamics,
                     law,
                     solver(law) if solving else None,
+                    contact_filter(law) if solving else None,
                     preload[part],
                     condition.tread_origin,
                     self._next + solved,

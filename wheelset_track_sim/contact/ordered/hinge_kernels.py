@@ -45,8 +45,9 @@ if that is more than they bear. Let d be what the heights at a distance b of 3 m
 right are above that of an element, in sum: 2 a (1 - cos(2 pi b / l)). Then 0.45 E* d / b is within a quarter of the
 pressure for waves from 5 to 20 mm. It must be below LEAST_PRESSURE of the largest pressure of Hertz, 3/2 F / (n s).
 
-Window. Hinges are evaluated from 8-row block to block, inwards until a whole block is open, outwards until one is shut.
-All further in are one hinge: their stiffness, their mean of heights (``inner``) and mean approach are tabulated. X is
+Window. Hinges are evaluated in blocks of eight, inwards until a whole block is open, outwards until one is shut, and
+each way for CLEAR standard deviations of rho, in delta_c, beyond the edge.
+All further in are one hinge: their stiffness, their mean of heights and of approach are tabulated. X is
 found by Newton's method: X + c0 F(X) is convex and piecewise linear, so it ends exactly after a few steps.
 
 The solver takes over (status FAR) where E exceeds the bound, in small contacts, at dips, and where the window grows too
@@ -68,18 +69,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...runtime.arrays import Real
-from ...runtime.jit import block_kernel, inner_kernel, summing_kernel
-from .order_kernels import FAR, NestedContacts
+from ...runtime.jit import inner_kernel, kernel, summing_kernel
+from .order_kernels import FAR
 
 FILTERED = 5
 """Status: the force is that of the filter."""
 BLOCK = 8
 """Hinges that are evaluated together."""
 VECTOR = 8
-"""Heights that are added at a time: with a count that is known the compiler needs no remainder."""
-CLEAR = 2 * BLOCK
-"""Hinges at each end of the window that must be open, or shut."""
-HALF_WINDOW = 3
+"""Elements in which a dip is sought at a time: with a count that is known the compiler needs no remainder."""
+CLEAR = 2.0
+"""Standard deviations of rho by which the window reaches beyond the edge."""
+HALF_WINDOW = 2
 """Blocks on each side of the edge that are always evaluated."""
 AHEAD = 80
 """Elements beyond a smooth contact that may come in."""
@@ -96,20 +97,24 @@ Single = NDArray[np.float32]
 
 
 class Hinges(NamedTuple):
-    """Hinges of the first M elements in the order of the nested solver, M in whole blocks; M = 0 without a filter."""
+    """Hinges of the first M elements in the order of the nested solver, M in whole blocks; M = 0 without a filter.
 
-    rho: Single
-    """Weights of the heights in rho_c, (M, M); each row adds up to 1."""
-    inner: Single
-    """Weights of the heights of all hinges before each block, likewise, (M / BLOCK, M)."""
+    The first axis is the wheel; it has the length 1 where both contacts are alike.
+    """
+
+    weights: Single
+    """Weights of the heights in rho_c, M rows, then those of the mean over all hinges before each block, M / BLOCK
+    rows; (wheels, M + M / BLOCK, M). Each row but the first of the means adds up to 1."""
     opening: Real
-    """delta_c, m, and sigma_c, N/m, (M, 2)."""
-    before: Real
-    """Of all hinges before each block: mean of delta_c, m, and sum of sigma_c, N/m, (M / BLOCK, 2)."""
-    edge: Real
-    """Approach, m, and force, N, of the smooth contact that has all hinges before each block, (M / BLOCK, 2)."""
-    aside: NDArray[np.int64]
-    """Distance across from the middle of the area to the farthest element before each place, in elements, (M + 1,)."""
+    """delta_c, m, and sigma_c, N/m, (wheels, 2, M)."""
+    blocks: Real
+    """Of all hinges before each block: mean of delta_c, m, and sum of sigma_c, N/m; approach, m, and force, N, of the
+    smooth contact that has just them; (wheels, 4, M / BLOCK)."""
+    element: NDArray[np.uint32]
+    """Flat index in the area (nx, ny), (wheels, M); unsigned, for an index that may be negative takes longer."""
+    extent: NDArray[np.int64]
+    """Distances from the middle of the area to the farthest element before each place, along and across, in elements,
+    (wheels, 2, M + 1)."""
     modulus: float
     """0.45 E* / b, N/m^3."""
     along: int
@@ -154,23 +159,44 @@ def open_hinges(depth: Real, stiffness: Real, X: float) -> tuple[float, float]:
     return force, total
 
 
+@summing_kernel
+def out_of_order(depth: Real, stiffness: Real, X: float, sign: float) -> float:
+    """Force, N, of hinges that are open (``sign`` 1) or of the suction on those that are shut (-1), at X, m."""
+    force = 0.0
+    for c in range(len(depth)):
+        reach = sign * (X + depth[c])
+        force += (stiffness[c] if reach > 0.0 else 0.0) * reach
+    return force
+
+
+@summing_kernel
+def spread(depth: Real, delta: Real) -> tuple[float, float]:
+    """Mean and standard deviation, m, of rho = depth + delta (n,)."""
+    total, square = 0.0, 0.0
+    for c in range(len(depth)):
+        rho = depth[c] + delta[c]
+        total += rho
+        square += rho * rho
+    mean = total / len(depth)
+    return mean, np.sqrt(max(square / len(depth) - mean * mean, 0.0))
+
+
 @inner_kernel
-def blocks_before(hinges: Hinges, X: float) -> int:
+def blocks_before(edge: Real, X: float) -> int:
     """Blocks of hinges that a smooth contact of approach X, m, has opened; all of them if it is beyond the last."""
-    edge = hinges.edge
     low, high = 0, len(edge)
     while low < high:
         middle = (low + high) // 2
-        if edge[middle, 0] <= X:
+        if edge[middle] <= X:
             low = middle + 1
         else:
             high = middle
     return low
 
 
-@block_kernel
+@inner_kernel
 def heights_in_order(
-    nested: NestedContacts,
+    element: NDArray[np.uint32],
     shape: tuple[int, int],
     tread: Real,
     rail_row: NDArray[np.int32],
@@ -179,30 +205,30 @@ def heights_in_order(
     rail_index: int,
     middle: float,
     reach: int,
-    left: int,
-    width: int,
+    aside: int,
     heights: Single,
     ordered: Single,
 ) -> None:
     """Fill the heights of both surfaces over ``middle``, m.
 
-    ``heights`` (nx ny,) are by position, up to ``reach`` elements along from the middle, and across ``width`` of them,
-    a multiple of VECTOR, from ``left`` on; ``ordered`` (m,) in order.
+    ``heights`` (nx ny,) are by position, up to ``reach`` elements along and ``aside`` across from the middle;
+    ``ordered`` (m,) are in order.
     """
     nx, ny = shape
+    left, right = ny // 2 - aside, ny // 2 + aside + 1
     t, r = (tread_index - reach) % len(tread), (rail_index - reach) % len(rail_row)
     for i in range(nx // 2 - reach, nx // 2 + reach + 1):
-        sums, of_tread, of_rail = heights[i * ny + left :], tread[t, left:], rail[rail_row[r], left:]
-        for start in range(0, width, VECTOR):
-            for j in range(start, start + VECTOR):
-                sums[j] = np.float32(of_tread[j] + of_rail[j] - middle)
+        sums = heights[i * ny + left : i * ny + right]
+        of_tread, of_rail = tread[t, left:right], rail[rail_row[r], left:right]
+        for j in range(len(sums)):
+            sums[j] = np.float32(of_tread[j] + of_rail[j] - middle)
         t, r = t + 1, r + 1
         t, r = 0 if t == len(tread) else t, 0 if r == len(rail_row) else r
     for c in range(len(ordered)):
-        ordered[c] = heights[nested.element[c]]
+        ordered[c] = heights[element[c]]
 
 
-@block_kernel
+@summing_kernel
 def deepest_dip(heights: Single, shape: tuple[int, int], half_i: int, half_j: int, along: int, across: int) -> float:
     """Four times the largest depth, m, of an element below those at a distance, around the middle of the area."""
     nx, ny = shape
@@ -218,10 +244,10 @@ def deepest_dip(heights: Single, shape: tuple[int, int], half_i: int, half_j: in
     return float(most)
 
 
-@block_kernel
+@kernel
 def filtered_force(
     hinges: Hinges,
-    nested: NestedContacts,
+    wheel: int,
     shape: tuple[int, int],
     tread: Real,
     rail_row: NDArray[np.int32],
@@ -237,8 +263,8 @@ def filtered_force(
 
     Parameters
     ----------
-    hinges, nested
-        Of the wheel.
+    hinges, wheel
+        Those of the wheel, 0 or 1, are used.
     shape, tread, rail_row, rail, tread_index, rail_index
         As in ``order_kernels.gaps_in_order``.
     element_area
@@ -261,35 +287,44 @@ def filtered_force(
     t, r = tread_index % len(tread), rail_index % len(rail_row)
     middle = tread[t, ny // 2] + rail[rail_row[r], ny // 2]
     # The smooth contact at the height of the middle, and its mean of heights.
-    edge, before = hinges.edge, hinges.before
+    which = wheel % len(hinges.weights)
+    weights, opening, extent = hinges.weights[which], hinges.opening[which], hinges.extent[which]
+    mean, held, edge, borne = hinges.blocks[which]
+    M = opening.shape[1]
     low, high, top = 0, len(edge) - 1, approach + middle
-    if not edge[high, 0] + compliance * edge[high, 1] > top:  # NaN, too
+    if not edge[high] + compliance * borne[high] > top:  # NaN, too
         return np.nan, np.nan, FAR
     while high - low > 1:
         centre = (low + high) // 2
-        if edge[centre, 0] + compliance * edge[centre, 1] <= top:
+        if edge[centre] + compliance * borne[centre] <= top:
             low = centre
         else:
             high = centre
-    X = edge[low, 0]
+    X = edge[low]
     n = low * BLOCK
-    ahead = min(n + AHEAD, len(hinges.opening))
+    ahead = min(n + AHEAD, M)
     if n < LEAST:
         return np.nan, np.nan, FAR
-    reach, aside = nested.reach[ahead], hinges.aside[ahead]
-    width = (2 * aside + VECTOR) // VECTOR * VECTOR
-    left = min(ny // 2 - aside, ny - width)
-    if left < 0:
-        return np.nan, np.nan, FAR
+    reach, aside = extent[0, ahead], extent[1, ahead]
     heights, ordered = np.empty(nx * ny, np.float32), np.empty(ahead, np.float32)
     heights_in_order(
-        nested, shape, tread, rail_row, rail, tread_index, rail_index, middle, reach, left, width, heights, ordered
+        hinges.element[which],
+        shape,
+        tread,
+        rail_row,
+        rail,
+        tread_index,
+        rail_index,
+        middle,
+        reach,
+        aside,
+        heights,
+        ordered,
     )
-    X += mean_of(hinges.inner[low], ordered[:n])
-    place = blocks_before(hinges, X)
+    X += mean_of(weights[M + low], ordered[:n])
+    place = blocks_before(edge, X)
     first, last = place - HALF_WINDOW, place + HALF_WINDOW
-    size = MOST_BLOCKS * BLOCK
-    depth, stiffness = np.empty(size), np.empty(size)
+    depth = np.empty(MOST_BLOCKS * BLOCK)
     # The window may grow to both sides of where it begins.
     base = first - MOST_BLOCKS // 2
     begin, end = first, first
@@ -301,45 +336,45 @@ def filtered_force(
             if begin <= block < end:
                 continue
             c, at = block * BLOCK, (block - base) * BLOCK
-            means_of(hinges.rho, ordered[: c + BLOCK], c, depth[at : at + BLOCK])
+            means_of(weights, ordered[: c + BLOCK], c, depth[at : at + BLOCK])
             for q in range(BLOCK):
-                depth[at + q] -= hinges.opening[c + q, 0]
-                stiffness[at + q] = hinges.opening[c + q, 1]
+                depth[at + q] -= opening[0, c + q]
         begin, end = first, last
-        inside = mean_of(hinges.inner[first], ordered[: first * BLOCK]) - before[first, 0]
-        part = slice((first - base) * BLOCK, (last - base) * BLOCK)
-        held, near, own = before[first, 1], depth[part], stiffness[part]
+        inside = mean_of(weights[M + first], ordered[: first * BLOCK]) - mean[first]
+        near = depth[(first - base) * BLOCK : (last - base) * BLOCK]
+        own = opening[1, first * BLOCK : last * BLOCK]
         for _ in range(len(near) + 2):
             force, slope = open_hinges(near, own, X)
-            force += held * (X + inside)
-            step = (X + compliance * force - top) / (1.0 + compliance * (slope + held))
+            force += held[first] * (X + inside)
+            step = (X + compliance * force - top) / (1.0 + compliance * (slope + held[first]))
             X -= step
             if abs(step) <= 1e-15:
                 break
-        opened = shut = True
-        for q in range(CLEAR):
+        delta = opening[0, first * BLOCK : last * BLOCK]
+        mean_rho, deviation = spread(near, delta)
+        opened = X + mean_rho - delta[0] > CLEAR * deviation
+        shut = delta[len(delta) - 1] - X - mean_rho > CLEAR * deviation
+        for q in range(BLOCK):
             opened &= X + near[q] > 0.0
-            shut &= X + near[len(near) - CLEAR + q] <= 0.0
+            shut &= X + near[len(near) - BLOCK + q] <= 0.0
         if opened and shut:
             break
         first, last = first if opened else first - 1, last if shut else last + 1
     if not (opened and shut and force > 0.0):
         return np.nan, np.nan, FAR
-    n, out_of_order = 0, 0.0
+    n = 0
     for c in range(len(near)):
         n += X + near[c] > 0.0
-    for c in range(len(near)):
-        reached = X + near[c]
-        if (reached > 0.0) != (c < n):
-            out_of_order += own[c] * abs(reached)
-    estimate = THIRD_ORDER * np.sqrt(out_of_order**3 / force)
+    D = out_of_order(near[:n], own[:n], X, -1.0) + out_of_order(near[n:], own[n:], X, 1.0)
+    estimate = THIRD_ORDER * np.sqrt(D**3 / force)
     if not estimate <= bound:
         return np.nan, estimate, FAR
     n += first * BLOCK
     # Within a rectangle in the ellipse of the contact.
-    half_i = int(0.6 * nested.reach[n])
-    half_j = (int(0.6 * hinges.aside[n]) + VECTOR // 4) // (VECTOR // 2) * (VECTOR // 2)
+    half_i = int(0.6 * extent[0, n])
+    half_j = int(0.6 * extent[1, n]) + VECTOR // 4
     half_i, half_j = min(half_i, reach - hinges.along), min(half_j, aside - hinges.across)
+    half_j -= half_j % (VECTOR // 2)
     dip = deepest_dip(heights, shape, half_i, half_j, hinges.along, hinges.across)
     if hinges.modulus * dip > LEAST_PRESSURE * 1.5 * force / (n * element_area):
         return np.nan, estimate, FAR

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,39 +65,46 @@ def no_nested_contacts() -> NestedContacts:
     )
 
 
-def hinges_of(nested: NestedContacts, ny: int, modulus: float, dx: float, dy: float) -> Hinges:
-    """Hinges of the contact filter, for the elements whose part of the inverse is there.
+def hinges_of(nested: Sequence[NestedContacts], ny: int, modulus: float, dx: float, dy: float) -> Hinges:
+    """Hinges of the contact filter, for the elements whose part of the inverse is there, of one wheel or of both.
 
     ``ny`` is the width of the area in elements, ``modulus`` E*, Pa, and ``dx``, ``dy`` the size of the elements, m.
     """
-    m = len(nested.punch)
-    inverse, width = np.zeros((m, m)), np.arange(m)
+    m = min(len(each.punch) for each in nested)
+    parts = [_hinges(each, m, ny, dx * dy) for each in nested]
+    weights, opening, blocks, element, extent = (np.stack(each) for each in zip(*parts, strict=True))
+    along, across = round(DISTANCE / dx), round(DISTANCE / dy)
+    return Hinges(weights, opening, blocks, element, extent, 0.45 * modulus / DISTANCE, along, across)
+
+
+def _hinges(nested: NestedContacts, m: int, ny: int, element_area: float) -> tuple[NDArray[Any], ...]:
+    """The arrays of ``Hinges`` for one wheel."""
+    inverse, punch, element = np.zeros((m, m)), nested.punch[:m], nested.element[:m]
     for c in range(m):
         inverse[c, : c + 1] = nested.inverse[row(c) : row(c) + c + 1]
-    sigma = dx * dy * nested.punch**2
-    opening = inverse @ nested.separation[:m] / nested.punch
-    blocks = width[::BLOCK]
-    force = np.cumsum(sigma[:, np.newaxis] * (inverse / nested.punch[:, np.newaxis]), axis=0)[blocks[1:] - 1]
-    stiffness, moment = np.cumsum(sigma)[blocks[1:] - 1], np.cumsum(sigma * opening)[blocks[1:] - 1]
-    before = np.column_stack([moment / stiffness, stiffness])
-    start = np.maximum.accumulate(opening)[blocks[1:]]
-    return Hinges(
-        rho=(inverse / nested.punch[:, np.newaxis]).astype(np.float32),
-        inner=np.vstack([np.zeros(m), force / stiffness[:, np.newaxis]]).astype(np.float32),
-        opening=np.column_stack([opening, sigma]),
-        before=np.vstack([[0.0, 0.0], before]),
-        edge=np.vstack([[opening[0], 0.0], np.column_stack([start, stiffness * (start - before[:, 0])])]),
-        aside=np.maximum.accumulate(np.append(0, np.abs(nested.element[:m] % ny - ny // 2))),
-        modulus=0.45 * modulus / DISTANCE,
-        along=round(DISTANCE / dx),
-        across=round(DISTANCE / dy),
+    sigma, delta, rho = element_area * punch**2, inverse @ nested.separation[:m] / punch, inverse / punch[:, np.newaxis]
+    before = np.arange(BLOCK, m, BLOCK)
+    stiffness, moment = (np.cumsum(each)[before - 1] for each in (sigma, sigma * delta))
+    means = np.cumsum(sigma[:, np.newaxis] * rho, axis=0)[before - 1] / stiffness[:, np.newaxis]
+    edge = np.maximum.accumulate(delta)[before]
+    blocks = np.stack([moment / stiffness, stiffness, edge, stiffness * edge - moment])
+    first = np.array([[0.0], [0.0], [delta[0]], [0.0]])
+    aside = np.maximum.accumulate(np.append(0, np.abs(element % ny - ny // 2)))
+    return (
+        np.vstack([rho, np.zeros((1, m)), means]).astype(np.float32),
+        np.stack([delta, sigma]),
+        np.hstack([first, blocks]),
+        element.astype(np.uint32),
+        np.stack([nested.reach[: m + 1], aside]),
     )
 
 
 def no_hinges() -> Hinges:
     """No filter."""
-    none, pairs = np.zeros((0, 0), np.float32), np.zeros((0, 2))
-    return Hinges(none, none, pairs, pairs, pairs, np.zeros(1, np.int64), 0.0, 1, 1)
+    none = np.zeros((1, 4, 0))
+    return Hinges(
+        none.astype(np.float32), none, none, np.zeros((1, 0), np.uint32), np.zeros((1, 2, 1), np.int64), 0.0, 1, 1
+    )
 
 
 def _order(geometry: ContactGeometry, wheel: int, separation: Real) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
