@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw, table_number, tabulated_force
-from ..contact.ordered.hinge_kernels import FILTERED
-from ..contact.ordered.order_kernels import FAR
 from ..dynamics.interface_kernels import advance, displacements, stresses
 from ..runtime.jit import kernel
 
@@ -49,30 +47,29 @@ def run(
             of_wheel, of_rail = dynamics.wheel_compliance[wheel], dynamics.rail_compliance[step % bay]
             compliance = of_wheel + of_rail
             force = tabulated_force(law, wheel, tread, rail, approach, compliance)
-            if solver is not None:  # noqa: SIM102 - alone, so that the compiler leaves out what follows
-                if not np.isfinite(force):
-                    status = FAR
-                    if law.largest_estimate > 0.0 and table_number(law, wheel, tread, rail) < 0:
-                        force, estimate, status = contact_filter(
-                            law.hinges,
-                            wheel,
-                            law.separation.shape[1:],
-                            law.tread[wheel],
-                            law.rail_row[wheel],
-                            law.rail,
-                            tread,
-                            rail,
-                            law.element_area,
-                            approach,
-                            compliance,
-                            law.largest_estimate,
-                        )
-                    if status == FILTERED:
+            if solver is not None:  # alone, so that the compiler leaves out what follows
+                nowhere = np.isnan(force) and table_number(law, wheel, tread, rail) < 0
+                if nowhere and law.largest_estimate > 0.0:
+                    force, estimate, _ = contact_filter(
+                        law.hinges,
+                        wheel,
+                        law.separation.shape[1:],
+                        law.tread[wheel],
+                        law.rail_row[wheel],
+                        law.rail,
+                        tread,
+                        rail,
+                        law.element_area,
+                        approach,
+                        compliance,
+                        law.largest_estimate,
+                    )
+                    if np.isfinite(force):
                         untabled[1] += 1
                         untabled[2] = max(untabled[2], estimate)
-                    else:
-                        force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
-                        untabled[0] += 1
+                if not np.isfinite(force):
+                    force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
+                    untabled[0] += 1
             if not np.isfinite(force):
                 return row
             forces[row, wheel] = force
