@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from support.toy import toy_models, toy_scenario
-from wheelset_track_sim.bags.overview import overview
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.yaml12 import dump, parse
@@ -23,7 +22,7 @@ ROUGH = "irregularities=[{type: roughness, on: wheel_1, seed: 1}, {type: flat, o
 
 
 def simulator(*settings: str, tables: bool = True) -> Simulator:
-    scenario = toy_scenario(ROUGH, "settle_on=smooth", *settings)
+    scenario = toy_scenario(ROUGH, "settle_on=surfaces", *settings)
     tolerance = scenario.contact.largest_estimate
     models = dataclasses.replace(
         toy_models(), tolerance=tolerance, hardness=scenario.contact.largest_pressure, tables=tables, _smooth=None
@@ -45,7 +44,7 @@ def forces(found: list) -> np.ndarray:
 
 @pytest.mark.slow
 def test_the_length_of_blocks_does_not_change_a_bit():
-    whole, parts = (blocks(simulator(), 3500, length) for length in (3500, 7))
+    whole, parts = (blocks(simulator("contact.tolerance=0.0003"), 3500, length) for length in (3500, 7))
     assert (forces(whole) == forces(parts)).all()
     total = combine(summarise(block) for block in parts).contacts
     assert total == combine(summarise(block) for block in whole).contacts
@@ -93,20 +92,13 @@ def test_settings_that_are_none_are_rejected(given, message):
 
 
 @pytest.mark.slow
-def test_a_recorded_run_is_simulated_again_and_its_bag_says_how_contacts_were_found(tmp_path, capsys):
+def test_a_recorded_run_is_simulated_again_bit_for_bit(tmp_path):
     run = Simulator(load_scenario("polygon"))
     with record(tmp_path / "run.mcap", run) as push:
         for block in blocks(run, 1500, 500):
             push(block)
     assert resimulate(tmp_path / "run.mcap").identical
     assert not resimulate(tmp_path / "run.mcap", ["contact.exact=true"]).identical
-    assert overview(tmp_path / "run.mcap").summary.contacts.filtered_steps == 3000
-    assert main(["info", str(tmp_path / "run.mcap"), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["contact"]
-    assert found["filtered_steps"] == 3000
-    assert 0.0 < found["largest_estimate_N"] < 98.1
-    assert main(["info", str(tmp_path / "run.mcap")]) == 0
-    assert "3000 filtered, error up to" in capsys.readouterr().out
 
 
 @pytest.mark.slow
@@ -133,5 +125,6 @@ def test_a_run_says_how_contacts_were_found(capsys):
     assert main(["run", "polygon", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["contact"]["filtered_steps"] + found["contact"]["solved_steps"] == 2 * found["steps"]
+    assert 0.0 < found["contact"]["largest_estimate_N"] < 98.1
     assert main(["run", "polygon", "--duration", "0.02"]) == 0
     assert "contacts without a force table:" in " ".join(capsys.readouterr().out.split())

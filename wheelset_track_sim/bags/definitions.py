@@ -32,7 +32,7 @@ DEFAULTS: Mapping[str, Mapping[str, Default]] = {
     "AxleStress": {"decimation": lambda _: 1},
     "SimulationState": {"speed_set_point": lambda state: state.speed},
     "LoadSummary": {
-        **dict.fromkeys(("turns", "solved_steps", "filtered_steps", "largest_estimate"), lambda _: 0),
+        "turns": lambda _: 0,
         **dict.fromkeys(("wheel_1_turn_max_force", "wheel_2_turn_max_force"), UNKNOWN),
         **dict.fromkeys(("turn_max_principal", "stress_max", "stress_min", "stress_mean", "stress_rms"), NONE),
         "max_principal_mean": lambda summary: np.full(len(summary.nodes), math.nan),

@@ -117,7 +117,6 @@ def chunk_messages(
     fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
     fields |= {"turns": turn.turns, "turn_max_principal": np.array(turn.principal or [math.nan] * len(block.nodes))}
     fields["wheel_1_turn_max_force"], fields["wheel_2_turn_max_force"] = turn.forces
-    fields |= vars(summary.contacts)
     return [*sample_messages(block, start_ns), Message("summary", "LoadSummary", stamp_ns, fields)]
 
 

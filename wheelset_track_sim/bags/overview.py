@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
-from ..samples.block import ContactCounts
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
 from .bag import Bag
 from .bag_reader import FORCES
@@ -181,12 +180,11 @@ def _piece(message: Any) -> _Piece:
     ]
     figures = (getattr(message, f"max_principal_{name}") for name in ("max", "min", "mean", "rms"))
     nodes = tuple(NodeStress(name, *map(float, found)) for name, *found in zip(message.nodes, *figures, strict=True))
-    contacts = ContactCounts(int(message.solved_steps), int(message.filtered_steps), float(message.largest_estimate))
     return _Piece(
         int(message.first_step),
         float(message.time),
         float(message.step_period),
-        Summary(int(message.samples), (wheels[0], wheels[1]), nodes, contacts),
+        Summary(int(message.samples), (wheels[0], wheels[1]), nodes),
     )
 
 

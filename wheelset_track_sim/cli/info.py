@@ -13,7 +13,6 @@ from ..bags.losses import Gap
 from ..bags.overview import Overview, overview
 from ..scenario import WHEELS
 from .console import print_object, terminal
-from .run import contact, contact_words
 
 LONGEST = 60
 """Characters of a value that a table shows."""
@@ -70,7 +69,6 @@ def as_mapping(found: Overview) -> dict[str, Any]:
         }
         if summary
         else {},
-        "contact": contact(summary) if summary else {},
         "revisions": [
             {
                 "revision": revision.number,
@@ -100,9 +98,6 @@ def tables(found: Overview) -> list[Table]:
         for node in found.summary.nodes:
             stress = f"{node.min_principal / 1e6:.1f} to {node.max_principal / 1e6:.1f} MPa"
             run.add_row(f"maximum principal stress {node.name}", stress)
-        counts = contact(found.summary)
-        if counts["solved_steps"] or counts["filtered_steps"]:
-            run.add_row("contacts without a force table", contact_words(counts))
     run.add_row("digest", found.info.digest)
     for software, version in found.info.versions.items():
         run.add_row(f"version of {software}", version)
