@@ -82,7 +82,7 @@ def rough(request):
 @pytest.mark.slow
 @pytest.mark.parametrize("load", [20e3, 50e3, 98.1e3, 200e3, 350e3])
 def test_rough_contacts(rough, load):
-    """No error is above 0.5 % of the static load, and it is at most a tenth of that nine times of ten."""
+    """No error is above 0.2 % of the static load of 20 t an axle, and its RMS is below 0.03 %."""
     level, law = rough
     steps = np.random.default_rng(int(load)).integers(0, N_C, 200)
     found = compared(law, steps, load)
@@ -113,15 +113,15 @@ SHIPPED = ("corrugation", "dipped_weld", "measured_tread", "mixed", "polygon", "
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_scenarios(name):
-    """A turn of the wheel: within 0.1 % RMS and 0.5 % maximum of the static load, and nearly everything filtered."""
+    """A turn of the wheel: within 0.005 % RMS and 0.05 % maximum of the static load, and nearly everything filtered."""
     runs = []
     for exact in ("true", "false"):
         blocks = advance_to(Simulator(load_scenario(name, [f"contact.exact={exact}"])), 2900)
         runs.append(np.concatenate([block.forces for block in blocks]))
     counts = sum((block.contacts for block in blocks), NO_CONTACTS)
     error = np.abs(runs[0] - runs[1]) / load_scenario(name).wheel_load
-    assert 0.0 < np.sqrt(np.mean(error**2, axis=0)).max() < 0.001
-    assert error.max() < 0.005
+    assert 0.0 < np.sqrt(np.mean(error**2, axis=0)).max() < 5e-5
+    assert error.max() < 5e-4
     assert counts.filtered_steps > 0.9 * (counts.filtered_steps + counts.solved_steps)
     assert 0.0 < counts.largest_estimate <= TOLERANCE * load_scenario(name).wheel_load
 
