@@ -188,16 +188,50 @@ def spread(depth: Real, delta: Real) -> tuple[float, float]:
 
 
 @inner_kernel
-def blocks_before(edge: Real, X: float) -> int:
-    """Blocks of hinges that a smooth contact of approach X, m, has opened; all of them if it is beyond the last."""
+def blocks_before(edge: Real, borne: Real, compliance: float, approach: float) -> int:
+    """Blocks of hinges that a smooth contact has opened at ``approach``, m; 0 for NaN.
+
+    ``edge``, m, and ``borne``, N, are those of ``Hinges.blocks``; ``compliance`` is c0, m/N.
+    """
     low, high = 0, len(edge)
     while low < high:
         middle = (low + high) // 2
-        if edge[middle] <= X:
+        if edge[middle] + compliance * borne[middle] <= approach:
             low = middle + 1
         else:
             high = middle
     return low
+
+
+@inner_kernel
+def open_to(
+    depth: Real, stiffness: Real, held: float, inside: float, compliance: float, top: float, X: float
+) -> tuple[float, float]:
+    """Solve X + c0 F(X) = top for the hinges of a window and those inside it, from X on.
+
+    Parameters
+    ----------
+    depth, stiffness
+        rho - delta, m, and sigma, N/m, of the hinges, (n,).
+    held, inside
+        The same of all hinges inside the window, as one.
+    compliance, top, X
+        c0, m/N, delta at the height of the middle, m, and the first guess, m.
+
+    Returns
+    -------
+    force, X
+        F, N, and X, m.
+    """
+    force = 0.0
+    for _ in range(len(depth) + 2):
+        force, slope = open_hinges(depth, stiffness, X)
+        force += held * (X + inside)
+        step = (X + compliance * force - top) / (1.0 + compliance * (slope + held))
+        X -= step
+        if abs(step) <= 1e-15:
+            break
+    return force, X
 
 
 @inner_kernel
@@ -306,19 +340,11 @@ def filtered_force(
     weights, opening, extent = hinges.weights[which], hinges.opening[which], hinges.extent[which]
     mean, held, edge, borne = hinges.blocks[which]
     M = opening.shape[1]
-    low, high, top = 0, len(edge) - 1, approach + middle
-    if not edge[high] + compliance * borne[high] > top:  # NaN, too
-        return np.nan, np.nan, FAR
-    while high - low > 1:
-        centre = (low + high) // 2
-        if edge[centre] + compliance * borne[centre] <= top:
-            low = centre
-        else:
-            high = centre
-    X = edge[low]
+    top = approach + middle
+    low = blocks_before(edge, borne, compliance, top) - 1
     n = low * BLOCK
     ahead = min(n + AHEAD, M)
-    if n < LEAST:
+    if n < LEAST or low == len(edge) - 1:
         return np.nan, np.nan, FAR
     reach, aside = extent[0, ahead], extent[1, ahead]
     heights, ordered = np.empty(nx * ny, np.float32), np.empty(ahead, np.float32)
@@ -336,8 +362,8 @@ def filtered_force(
         heights,
         ordered,
     )
-    X += mean_of(weights[M + low], ordered[:n])
-    place = blocks_before(edge, X)
+    X = edge[low] + mean_of(weights[M + low], ordered[:n])
+    place = blocks_before(edge, borne, 0.0, X)
     first, last = place - HALF_WINDOW, place + HALF_WINDOW
     depth = np.empty(MOST_BLOCKS * BLOCK)
     # The window may grow to both sides of where it begins.
@@ -358,13 +384,7 @@ def filtered_force(
         inside = mean_of(weights[M + first], ordered[: first * BLOCK]) - mean[first]
         near = depth[(first - base) * BLOCK : (last - base) * BLOCK]
         own = opening[1, first * BLOCK : last * BLOCK]
-        for _ in range(len(near) + 2):
-            force, slope = open_hinges(near, own, X)
-            force += held[first] * (X + inside)
-            step = (X + compliance * force - top) / (1.0 + compliance * (slope + held[first]))
-            X -= step
-            if abs(step) <= 1e-15:
-                break
+        force, X = open_to(near, own, held[first], inside, compliance, top, X)
         delta = opening[0, first * BLOCK : last * BLOCK]
         mean_rho, deviation = spread(near, delta)
         opened = X + mean_rho - delta[0] > CLEAR * deviation
@@ -390,8 +410,7 @@ def filtered_force(
     half_j = min(int(INNER * extent[1, n]) + VECTOR // 4, aside - hinges.across)
     half_j -= half_j % (VECTOR // 2)
     dip = deepest_dip(heights, shape, half_i, half_j, hinges.along, hinges.across)
-    if hinges.modulus * dip > LEAST_PRESSURE * 1.5 * force / (n * element_area):
-        return np.nan, estimate, FAR
-    if level - lowest(ordered[:n]) > DEEPEST * (X + level):
+    suction = hinges.modulus * dip > LEAST_PRESSURE * 1.5 * force / (n * element_area)
+    if suction or level - lowest(ordered[:n]) > DEEPEST * (X + level):
         return np.nan, estimate, FAR
     return force, estimate, FILTERED
