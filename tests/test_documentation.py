@@ -9,7 +9,6 @@ import pytest
 from support.paths import ROOT
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
-from wheelset_track_sim.scenario.scenario import BAND, LINE
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -55,11 +54,10 @@ def test_the_page_of_the_method_names_what_is_there():
 def test_the_page_of_scenarios_has_every_key_with_its_range_and_default():
     text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)` \|(.*)\|$", text, re.MULTILINE))
-    limits = {"max_frequency": BAND, "line_length": LINE}
     assert [*sorted(rows)] == sorted(field.name for field in dataclasses.fields(Scenario))
     for field in dataclasses.fields(Scenario):
         unit, span, default, _ = (cell.strip() for cell in rows[field.name].split(" |"))
-        declared = field.metadata.get("quantity", limits.get(field.name))
+        declared = field.metadata.get("quantity")
         if declared:
             assert (unit, span) == (declared.unit, f"{declared.low:g} to {declared.high:g}"), field.name
         if default:
@@ -80,3 +78,9 @@ def test_the_scenario_of_the_page_can_be_used(tmp_path):
     example = "\n".join(re.findall(r"^    (?!\.venv)(.*)$", text, re.MULTILINE))
     (tmp_path / "mine.yaml").write_text(example, encoding="utf-8")
     assert load_scenario(tmp_path / "mine.yaml", ["irregularities.0.h=0.001"]).irregularities[0].h == 0.001
+
+
+def test_promises_of_security_name_tests_that_exist() -> None:
+    named = re.findall(r"`(tests/[\w/.]+)`", (ROOT / "SECURITY.md").read_text())
+    assert len(named) > 10
+    assert [path for path in named if not (ROOT / path).exists()] == []

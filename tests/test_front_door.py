@@ -36,6 +36,11 @@ def test_names_are_imported_when_they_are_first_used():
         wts.simulator  # noqa: B018
 
 
+def test_every_name_has_one_place_and_what_commands_print_can_be_caught():
+    assert [*wts._PLACES] == NAMES == sorted(NAMES)
+    assert {"InputError", "InputWarning", "WheelsetTrackError"} <= set(NAMES)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_public_name_is_documented(name):
     text = inspect.getdoc(getattr(wts, name))

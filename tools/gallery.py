@@ -28,13 +28,16 @@ GROUPS = {
     "Rails": ("rail_roughness", "corrugation", "squat", "insulated_joint", "dipped_weld"),
     "Profiles": ("worn_profiles", "lateral_offset"),
     "Track": ("hanging_sleeper", "stiffness_transition", "scattered_support", "slab_track"),
-    "Wheelset and loads": ("trailer", "freight", "metro", "imported", "press_fit", "braking_torque"),
+    "Wheelset, vehicle and loads": (
+        *("trailer", "freight", "metro", "imported", "long_wave"),
+        *("press_fit", "braking_torque"),
+    ),
     "All together": ("mixed",),
 }
 WINDOW = 1.5
 """m shown to either side of the largest deviation from the static force..."""
 WIDE = 12.0
-"""...and where it is the supports that differ."""
+"""...and where it is the supports that differ, or a vehicle that moves."""
 LONGEST = 60.0
 """m run at most."""
 
@@ -75,8 +78,8 @@ def response(scenario: Scenario) -> PictureRow:
         blocks.append(simulator.advance(steps - simulator.next_step))
     forces = np.concatenate([block.forces for block in blocks])
     stresses = np.concatenate([block.max_principal for block in blocks])
-    varied = simulator.models.track.line is not None
-    reach = round((WIDE if varied else WINDOW) / scenario.step_length)
+    slow = simulator.models.track.line is not None or scenario.vehicle is not None
+    reach = round((WIDE if slow else WINDOW) / scenario.step_length)
     centre = int(np.abs(forces - scenario.wheel_load).max(axis=1).argmax())
     part = slice(max(0, centre - reach), min(steps, centre + reach))
     position = np.arange(steps)[part] * scenario.step_length

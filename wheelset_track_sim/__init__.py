@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .bags import Recording, read_bag
     from .dynamics.moving_green_functions import moving_green_functions
     from .dynamics.responses import green_function, receptance
-    from .errors import InputError, WheelsetTrackError
+    from .errors import InputError, InputWarning, WheelsetTrackError
     from .live.run_messages import record
     from .samples.block import SampleBlock
     from .scenario import Scenario, load_scenario
@@ -44,10 +44,12 @@ if TYPE_CHECKING:
     from .track.track import load_track
     from .twin import Resimulation, resimulate
     from .wheelset.kinds import load_wheelset
+    from .wheelset.vehicle import load_vehicle
 
 _PLACES = {
     "Fleet": "simulation.fleet",
     "InputError": "errors",
+    "InputWarning": "errors",
     "Recording": "bags",
     "Resimulation": "twin",
     "SampleBlock": "samples.block",
@@ -59,6 +61,7 @@ _PLACES = {
     "load_scenario": "scenario",
     "load_study": "studies",
     "load_track": "track.track",
+    "load_vehicle": "wheelset.vehicle",
     "load_wheelset": "wheelset.kinds",
     "moving_green_functions": "dynamics.moving_green_functions",
     "read_bag": "bags",
@@ -71,6 +74,7 @@ _PLACES = {
 __all__ = [
     "Fleet",
     "InputError",
+    "InputWarning",
     "Recording",
     "Resimulation",
     "SampleBlock",
@@ -83,6 +87,7 @@ __all__ = [
     "load_scenario",
     "load_study",
     "load_track",
+    "load_vehicle",
     "load_wheelset",
     "moving_green_functions",
     "read_bag",

@@ -8,8 +8,10 @@ import pytest
 from mcap.reader import make_reader
 
 from wheelset_track_sim.bags import Bag, BagWriter, Damage, Gap, State
+from wheelset_track_sim.bags.overview import overview
 from wheelset_track_sim.bags.run_info import RunInfo
 from wheelset_track_sim.errors import RecordingError
+from wheelset_track_sim.report.survey import survey
 
 CHUNKS = 12
 LENGTH = 300
@@ -131,7 +133,7 @@ def test_missing_files_are_told(tmp_path, run_info, run_blocks, make_state):
             if block is not run_blocks[-1]:
                 writer.split()
     (bag / "run_1.mcap").unlink()
-    with pytest.raises(RecordingError, match=r"run_1\.mcap is missing"):
+    with pytest.raises(RecordingError, match=r"run_1\.mcap, which metadata.yaml names: it is missing"):
         list(Bag(bag).events())
     found, _, losses = read_all(bag)
     assert [block.first_step for block in found] == [0, 1390]
@@ -167,3 +169,17 @@ def test_metadata_know_whether_they_are_what_was_written():
     for name in record:
         with pytest.raises((LookupError, ValueError)):
             RunInfo.from_metadata({**record, name: record[name].replace(record[name][-1], "?")})
+
+
+def test_a_gap_of_hours_ends_a_run(tmp_path, run_info, run_blocks):
+    """Every reader passes the steps of a gap one way or the other."""
+    path = tmp_path / "run.mcap"
+    later = dataclasses.replace(run_blocks[1], first_step=10**12, time=3.6e7)
+    with BagWriter(path, run_info, start_ns=0) as writer:
+        writer.write(run_blocks[0])
+        writer.write(later)
+    found, _, losses = read_all(path)
+    assert [block.first_step for block in found] == [0]
+    assert "a gap of more than 100000000 steps ends the run" in str(losses[0])
+    assert not overview(path).complete
+    assert survey(path).steps == 1389

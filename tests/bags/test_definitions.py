@@ -33,7 +33,7 @@ def recorded_with(path, changed, source):
         file.add_metadata(METADATA_NAME, record)
         channels = {}
         reading = McapReader(stream, source.name, pytest.fail)
-        for chunk in reading.chunks_at(index.chunk_start_offset for index in reading.index.chunks):
+        for chunk in reading.chunks_at(part.place for part in reading.layout.parts):
             for message in reading.messages(chunk):
                 name, topic = message.topic.type, message.topic.name
                 if topic not in channels:

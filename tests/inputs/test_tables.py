@@ -1,5 +1,6 @@
 """One reader for all text tables."""
 
+import os
 import tracemalloc
 from pathlib import Path
 
@@ -138,8 +139,12 @@ def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes, words: str) 
 def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_table(tmp_path / "missing.csv")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is a folder: give a regular file"):
         read_table(tmp_path)
+    os.mkfifo(tmp_path / "pipe.csv")  # opening it would wait for a writer
+    for endless in (tmp_path / "pipe.csv", Path("/dev/zero")):
+        with pytest.raises(InputError, match="is a device or a pipe: give a regular file"):
+            read_table(endless)
     with pytest.raises(InputError, match="has 8 bytes: give at most 4"):
         read_table(table(tmp_path, "1,2", "3,4"), largest=4)
 

@@ -59,23 +59,25 @@ def scenario_with(*entries):
 
 
 NUMBERS = [
-    (kind, field.name, field.metadata["quantity"])
+    (kind, field)
     for kind, owner in KINDS.items()
     for field in dataclasses.fields(owner)
     if "quantity" in field.metadata
 ]
 
 
-@pytest.mark.parametrize(("kind", "name", "quantity"), NUMBERS, ids=[f"{kind}.{name}" for kind, name, _ in NUMBERS])
+@pytest.mark.parametrize(("kind", "field"), NUMBERS, ids=[f"{kind}.{field.name}" for kind, field in NUMBERS])
 @given(data=st.data())
 @pytest.mark.slow
-def test_every_bad_number_is_refused_by_name(entries, kind, name, quantity, data):
+def test_every_bad_number_is_refused_by_name(entries, kind, field, data):
+    name, quantity = field.name, field.metadata["quantity"]
     span = quantity.high - quantity.low
+    missing = [] if field.default is None else [None]
     value = data.draw(
         st.one_of(
             st.floats(quantity.high + 1e-3 * span, 1e300),
             st.floats(-1e300, quantity.low - 1e-3 * span),
-            st.sampled_from([math.nan, math.inf, -math.inf, True, "3", None, [1.0]]),
+            st.sampled_from([math.nan, math.inf, -math.inf, True, "3", [1.0], *missing]),
         )
     )
     with pytest.raises(InputError) as refusal:

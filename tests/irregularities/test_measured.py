@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from support.written import forms
 from wheelset_track_sim.errors import InputError, InputWarning
@@ -185,13 +186,34 @@ def test_a_rail_begins_where_told_without_its_slope_and_repeats_if_told(tmp_path
     middle = np.arange(2400, 4600)
     smooth = 2e-5 * np.sin(2 * np.pi * (middle * DX - 2.0) / 0.3)
     assert np.abs(heights[middle] - smooth).max() < 2e-6
-    repeated = dataclasses.replace(profile, start=0.0, repeat=True)
+    with pytest.raises(InputError, match=r"repeats with a step of 3e\+03 um .*: give drift: remove"):
+        dataclasses.replace(profile, start=0.0, repeat=True)
+    repeated = dataclasses.replace(profile, start=0.0, repeat=True, drift="remove")
     along = rail_heights([repeated], "rail_1", 9000, DX, Y).all()[:, 0]
     assert (along[:3000] == along[6000:]).all()
+    assert np.abs(along[:3000] - 2e-5 * np.sin(2 * np.pi * np.arange(3000) * DX / 0.3)).max() < 1e-5
     with pytest.raises(InputError, match=r"repeats after 3 m, the line after 10 m: give a line_length of 12 m"):
         rail_heights([repeated], "rail_1", 10_000, DX, Y)
     with pytest.raises(InputError, match=r"ramp = 1\.6 m at both ends is more than the 2\.999 m of .* give 1\.4995 m"):
         rail_heights([dataclasses.replace(profile, ramp=1.6)], "rail_1", 10_000, DX, Y)
+
+
+@given(
+    count=st.integers(20, 900),
+    steps=st.integers(300, 3000),
+    orders=st.sets(st.integers(1, 9), min_size=1, max_size=3),
+    first=st.floats(0.0, 1.0),
+)
+def test_a_periodic_function_sampled_at_any_spacing_and_repeated_is_itself(
+    tmp_path_factory, count, steps, orders, first
+):
+    period = steps * DX
+    x = first + period * np.arange(count) / count
+    high = waves(2 * np.pi * (x - first) / period, *orders)
+    file = csv(tmp_path_factory.mktemp("rail") / "r.csv", zip(x, high, strict=True))
+    profile = Profile("rail_1", file, "m", "m", repeat=True)
+    heights = rail_heights([profile], "rail_1", 3 * steps, DX, Y).all()[:, 0]
+    assert heights == pytest.approx(waves(2 * np.pi * np.arange(3 * steps) / steps, *orders), abs=1e-12)
 
 
 def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):

@@ -16,6 +16,9 @@ from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.samples.turns import NO_TURN, TurnPeaks
 
 STATIC = 100e3
+TURN = 100
+"""Steps: each block is a turn."""
+MEANS = np.zeros((2, 6))
 ON_TIME = Timing(1.0, 0.0)
 
 
@@ -33,15 +36,15 @@ def clock():
 
 @pytest.fixture
 def monitor(clock):
-    return Monitor(("A1", "B1"), 200e3, Limits(), clock)
+    return Monitor(("A1", "B1"), 200e3, Limits(), TURN, MEANS, clock)
 
 
 def push(monitor, force=STATIC, stress=60e6, timing=ON_TIME, turn=NO_TURN, impacts=()):
-    """One block of 0.1 s in which wheel 2 rests, and node B1 bears half of the stress of A1."""
+    """One turn of 0.1 s in which wheel 2 rests, A1 bends all along, and B1 half as much."""
     forces = np.full((100, 2), STATIC)
     forces[50, 0] = force
     stresses = np.zeros((100, 2, 6))
-    stresses[50, :, 1] = stress, stress / 2
+    stresses[:, :, 1] = stress, stress / 2
     block = SampleBlock(0, 0.0, 1e-3, 1.0, 0.0, 0, forces, stresses, ("A1", "B1"))
     return monitor.push(block, summarise(block), Events(list(impacts), turn), timing, STATIC)
 
@@ -82,12 +85,28 @@ def test_level_of_a_wheel(monitor, force, level):
     ("stress", "level"),
     [(166e6, Level.OK), (167e6, Level.WARN), (200e6, Level.WARN), (201e6, Level.ERROR)],
 )
-def test_level_of_a_node(monitor, stress, level):
+def test_level_of_a_node_is_that_of_the_amplitude(monitor, stress, level):
+    """Of a stress that is constant where nothing turns, a point of the turning axle sees plus and minus that."""
     push(monitor, stress=stress)
     found = monitor.report()
     assert levels(found)["stress A1"] == level
     assert levels(found)["stress B1"] == Level.OK
-    assert float(values(found, "stress A1")["max_principal_Pa"]) == pytest.approx(stress, rel=1e-5)
+    for name in ("bending_amplitude_Pa", "turn_bending_amplitude_Pa", "max_principal_Pa"):
+        assert float(values(found, "stress A1")[name]) == pytest.approx(stress, rel=1e-5)
+
+
+def test_a_press_fit_is_a_mean_and_no_amplitude(clock):
+    means = np.zeros((2, 6))
+    means[0, 1] = 150e6
+    monitor = Monitor(("A1", "B1"), 200e3, Limits(), TURN, means, clock)
+    push(monitor, stress=210e6)  # 60 MPa of it from bending
+    found = monitor.report()
+    assert levels(found)["stress A1"] == Level.OK
+    assert float(values(found, "stress A1")["bending_amplitude_Pa"]) == pytest.approx(60e6, rel=1e-5)
+    assert float(values(found, "stress A1")["mean_axial_Pa"]) == 150e6
+    assert next(each.message for each in found if each.name == "stress A1") == (
+        "bending amplitude 60.0 MPa about a mean of 150.0 MPa"
+    )
 
 
 @pytest.mark.parametrize(

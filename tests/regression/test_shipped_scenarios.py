@@ -13,7 +13,7 @@ TOLERANCES = np.array([5e-4, 5e-4, 1e-6, *[5e-4] * len(ROWS)])
 Another library of linear algebra reduces the track to other modes: OpenBLAS for another processor shifts samples at an
 impact by up to 2.3e-4, and RMS by 1.1e-7. Kernels compiled for another processor shift nothing by more than 2e-10.
 """
-SLOW = {"rail_roughness", "rough_wheel", "measured_tread", "polygon", "mixed", "corrugation"}
+SLOW = {"rail_roughness", "rough_wheel", "measured_tread", "polygon", "mixed", "corrugation", "long_wave"}
 """Whose contact is solved in every step, or has a table at every position."""
 
 

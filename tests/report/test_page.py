@@ -2,17 +2,24 @@
 
 import dataclasses
 import errno
+import json
 import re
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import BagWriter
+from support.surveys import state
+from wheelset_track_sim.bags import BagWriter, RunInfo
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.report.files import write_whole
+from wheelset_track_sim.report.survey import survey_of
+from wheelset_track_sim.report.table import description
+from wheelset_track_sim.samples.block import SampleBlock
+from wheelset_track_sim.scenario import load_scenario
 
 
 class Page(HTMLParser):
@@ -63,7 +70,8 @@ def test_it_says_what_ran_and_what_came_out(page_of):
         "Dynamic factor wheel 1 3.06",
         "1 impact, a contact force above 200 kN",
         "Contact pressure at the worst impact",
-        "wheel 1: 60 × 48 mm, 2 mm deep, at 0°",
+        "Irregularities of treads and rails throughout the run: breakout on wheel_1: longitudinal semi-axis 30 mm, "
+        "lateral semi-axis 24 mm, depth 2 mm, angle 0°",
         "Every step is drawn.",
         "Power spectral density at 100 km/h",
         "digest",
@@ -106,9 +114,44 @@ def test_many_impacts(page_of):
 def test_changes_are_listed(page_of):
     changes = [(3000, ["speed=30"]), (4000, ["speed=30", "axle_load=150000", "irregularities=[]"])]
     words = page_of("damage_wheel_1", revisions=changes).words
-    assert "0 0.0000 s 100 km/h 196.2 kN wheel 1" in words
-    assert "1 0.1080 s 108 km/h 196.2 kN wheel 1" in words
-    assert "2 0.1413 s 108 km/h 150 kN none" in words
+    assert "run.mcap: damage_wheel_1, 2 changes during the run" in words
+    assert "100 to 108 km/h, axle load 15.29 to 20 t" in words
+    assert "Irregularities of treads and rails changed during the run: the revisions" in words
+    assert "0 0 0.0000 s 100 km/h 100 km/h 196.2 kN breakout on wheel_1: longitudinal semi-axis 30 mm" in words
+    assert "1 3000 0.1080 s 108 km/h 108 km/h 196.2 kN as in revision 0" in words
+    assert "2 4000 0.1413 s 108 km/h 108 km/h 150 kN none" in words
+
+
+def listed_in(words):
+    return words.partition("irregularities of treads and rails 0 0 0.0000 s")[2].partition(" bag run.mcap")[0]
+
+
+@pytest.mark.parametrize("scenario", ["flat_fresh", "mixed", "polygon", "measured_tread", "squat", "dipped_weld"])
+def test_every_irregularity_in_force_is_listed(page_of, scenario):
+    """Of any kind, on wheels and rails: a safety department reads the page."""
+    given = load_scenario(scenario).to_mapping()["irregularities"]
+    words = page_of("undamaged", revisions=[(3000, [f"irregularities={json.dumps(given)}"])]).words
+    before, _, after = listed_in(words).partition("1 3000 0.1080 s")
+    assert before.split("kN ")[1].strip() == "none"
+    for item in given:
+        assert f"{item['type']} on {item['on']}: " in after
+    assert after.count(" on wheel_") + after.count(" on rail_") == len(given)
+    assert "undamaged, 1 change during the run" in words
+
+
+def test_the_speeds_are_those_that_were_driven(page_of):
+    """A set point that is being approached is no speed of the run."""
+    braking = "speed_plan=[{time: 0.05, speed: 10}]"
+    what = load_scenario("undamaged", [braking])
+    run = dataclasses.replace(state(what, 0, 0.0, 0), speed_set_point=10.0)
+    block = SampleBlock(0, 0.0, 1e-3 / 25, 25.0, 0.0, 0, np.full((3000, 2), 1e5), np.zeros((3000, 1, 6)), ("A1",))
+    found = survey_of([run, block], RunInfo("undamaged", what.to_yaml(), what.digest, 0.6), 0, Path("run.mcap"))
+    assert (found.in_force[0].speeds, found.in_force[0].set_point) == ((25.0, 25.0), 10.0)
+    assert description(found).startswith("90 km/h")
+
+
+def test_a_bag_that_does_not_say_what_was_in_force_has_a_page_that_says_so(page_of):
+    assert "treads and rails throughout the run: unknown: the bag does not hold them" in page_of(known=False).words
 
 
 def test_a_bag_of_an_unknown_scenario(page_of):

@@ -1,12 +1,13 @@
 """Launch files by stand-ins: which nodes, with which arguments; ``test_launched_nodes`` starts them."""
 
 import runpy
+from types import SimpleNamespace
 
 import pytest
 
 from support.launch_stand_in import LaunchFile, install
 from support.paths import ROOT
-from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.errors import InputError, WheelsetTrackError
 from wheelset_track_sim.inputs.yaml12 import parse
 
 ALL = sorted(path.name for path in (ROOT / "launch").iterdir())
@@ -54,13 +55,15 @@ def test_every_argument_has_a_default_and_a_description(file):
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_parameter_file_is_a_shipped_one_and_holds_unless_told(file):
+def test_parameter_file_is_a_shipped_one_and_holds_unless_told(file, tmp_path):
     for node in LaunchFile(file).nodes():
         path = ROOT / "wheelset_track_sim" / "data" / "config" / node.file.rpartition("/")[2]
         assert (node.file, node.given) == (str(path), {})
         assert path.is_file()
-    [*_, other] = LaunchFile(file).nodes(params_file="mine.yaml")
-    assert other.file == "mine.yaml"
+    mine = tmp_path / "mine.yaml"
+    mine.touch()
+    [*_, other] = LaunchFile(file).nodes(params_file=str(mine))
+    assert other.file == str(mine)
 
 
 @pytest.mark.parametrize("file", FILES)
@@ -156,3 +159,43 @@ def test_executable_is_there(program):
     assert (ROOT / "tools" / program).exists()
     assert f"tools/{program}" in (ROOT / "setup.py").read_text()
     assert runpy.run_path(str(ROOT / "tools" / program))["main"]
+
+
+@pytest.mark.parametrize("file", ALL)
+@pytest.mark.parametrize(
+    ("argument", "value", "words"),
+    [
+        ("params_file", "/nowhere.yaml", "params_file = /nowhere.yaml is not a file"),
+        ("use_sim_time", "maybe", "use_sim_time = maybe is neither true nor false"),
+        ("log_level", "loud", "loud is not a known log_level: known are debug"),
+    ],
+)
+def test_values_that_no_node_could_use_are_refused(file, argument, value, words):
+    with pytest.raises(InputError, match=words):
+        LaunchFile(file).nodes(**{argument: value})
+
+
+def test_numbers_are_numbers():
+    with pytest.raises(InputError, match="real_time_factor = fast is not a number"):
+        LaunchFile("bogie.launch.py").nodes(real_time_factor="fast")
+
+
+@pytest.mark.parametrize(
+    ("file", "status", "ends"),
+    [
+        ("wheelset_track_sim.launch.py", 2, True),
+        ("wheelset_track_sim.launch.py", 1, True),
+        ("wheelset_track_sim.launch.py", 0, False),
+        ("wheelset_track_sim.launch.py", -2, False),
+        ("bogie.launch.py", 2, True),
+        ("bogie.launch.py", 1, False),  # the other wheelset goes on
+    ],
+)
+def test_a_process_that_cannot_go_on_ends_the_launch(file, status, ends):
+    [node, *_] = LaunchFile(file).nodes()
+    event = SimpleNamespace(returncode=status, process_name="node-1")
+    if ends:
+        with pytest.raises(WheelsetTrackError, match=f"node-1 ended with status {status}"):
+            node.on_exit(event, None)
+    else:
+        node.on_exit(event, None)

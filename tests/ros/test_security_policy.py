@@ -1,5 +1,6 @@
 """The SROS2 policy against the graph of a running node: all that the node does is allowed, and others may use it."""
 
+import re
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -66,3 +67,21 @@ def test_a_replay_under_the_name_of_the_node_may_do_what_it_does(start, client, 
     published, _, services = known(client, {f"{own}/summary"}, {f"{own}/play_next"})
     assert published <= allowed(own, "topics", "publish")
     assert services <= allowed(own, "services", "reply") & allowed(f"{own}/operator", "services", "request")
+
+
+@pytest.mark.parametrize(
+    ("enclave", "words"),
+    [
+        ("/wheelset_track_sim", "has no security: use a system installation of ROS 2|ROS does not start: .*security"),
+        ("/nowhere", "ROS does not start: .*nowhere' does not exist"),
+        ("relative", "ROS does not start: .*must be absolute"),
+    ],
+)
+def test_security_that_cannot_be_had_is_named_in_one_line(start, tmp_path, enclave, words):
+    (tmp_path / "enclaves" / NODE).mkdir(parents=True)
+    store = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": str(tmp_path)}
+    node = start("--ros-args", "--enclave", enclave, env=store)
+    assert node.wait() == 2
+    [line] = [line for line in node.errors.splitlines() if line.startswith("wheelset-track-sim")]
+    assert re.search(words, line)
+    assert "Traceback" not in node.errors

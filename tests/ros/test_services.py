@@ -281,7 +281,7 @@ def test_reset_begins_a_new_run_with_what_is_in_force(start, client, services, f
 
 
 def test_a_new_run_that_cannot_be_recorded_stands_until_it_is_told_to_go_on(start, client, services, forces, tmp_path):
-    name = "r" * 247  # with _2 the name of a file in it is too long
+    name = "r" * 254  # with _2 it is too long
     bag = {"record__directory": tmp_path, "record__name": name, "record__on_start": "true"}
     node = start(scenario="undamaged", **bag)
     client.until(lambda: forces)
@@ -338,6 +338,32 @@ def test_parameters_one_by_one_atomically_and_from_a_file_at_the_start(start, cl
     assert client.get("speed", "wheel_2.damage.y") == [32.0, 0.03]
     assert client.set(atomically=True, speed=32.0).reason == ""  # nothing new is no revision
     assert_gap_free(forces)
+
+
+def test_changes_and_refusals_are_logged_by_whatever_means_they_come(start, client, services, forces, states):
+    from std_msgs.msg import Float64
+
+    node = start(scenario="undamaged")
+    topic = client.node.create_publisher(Float64, f"{client.name}/cmd/speed", 1)
+    client.until(lambda: forces and states and topic.get_subscription_count())
+    accepted = services.speed(29.0)
+    assert not services.speed(1e6).success
+    assert not services.trigger("stop_recording").success
+    topic.publish(Float64(data=28.0))
+    client.until(lambda: states[-1].revision == 2)
+    topic.publish(Float64(data=-1.0))
+    assert client.set(speed=27.0).successful
+    assert not client.set(wheel_1__damage__h=0.5).successful
+    end(node)
+    logged = node.errors + node.output
+    assert f"set_speed: revision 1 from step {accepted.step}" in logged
+    assert "set_speed is refused: speed = 1e+06 m/s is out of range" in logged
+    assert "stop_recording is refused: nothing is being recorded" in logged
+    assert "~/cmd/speed: revision 2 from step " in logged
+    assert "~/cmd/speed is refused: speed = -1 m/s is out of range" in logged
+    assert "parameters: revision 3 from step " in logged
+    assert "parameters are refused: " in logged
+    assert "wheel_1.damage.h" in logged
 
 
 def test_a_storm_of_requests_is_answered_whole(start, make_client):

@@ -106,6 +106,20 @@ def test_a_damaged_file_is_reported_and_built_again(
     assert BUILT == [3, 3]
 
 
+@pytest.mark.parametrize("values", [np.arange(2.0), np.array([0.0, 1.0, np.nan]), np.array([0.0, 1.0, 3.0])])
+def test_a_sound_file_of_other_content_is_reported_and_built_again(
+    folder: Path, values: np.ndarray, caplog: pytest.LogCaptureFixture
+) -> None:
+    get()
+    [path] = folder.iterdir()
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    np.savez(path, **(arrays | {"values": values}))
+    with caplog.at_level(logging.WARNING):
+        assert np.array_equal(get().values, np.arange(3.0))
+    assert "built again" in caplog.text
+
+
 def test_a_folder_that_cannot_be_written_does_not_stop_the_run(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     folder.write_text("a file where the folder should be")
     with caplog.at_level(logging.WARNING):

@@ -1,5 +1,7 @@
 import ast
 import os
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -47,9 +49,66 @@ def test_the_cache_folder_follows_the_kernels(tmp_path: Path, monkeypatch) -> No
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Empty cache of kernels, on two cores; processes find the modules in it."""
     monkeypatch.setattr(jit, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(jit, "trusted_folder", lambda: tmp_path)
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     return tmp_path
+
+
+KERNEL = """
+import logging
+logging.basicConfig(format="%(message)s")
+from wheelset_track_sim.samples.principal_kernels import principal_stresses
+import numpy as np
+found = np.zeros((1, 3))
+principal_stresses(np.array([[3.0, 2.0, 1.0, 0.5, 0.0, 0.0]]), found)
+print(found, sum(principal_stresses.stats.cache_misses.values()))
+"""
+
+
+def kernel_in_a_process(caches: Path) -> subprocess.CompletedProcess[str]:
+    """A process that calls one kernel, which it stores below ``caches`` or finds there."""
+    return subprocess.run(
+        [sys.executable, "-c", KERNEL],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(caches)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize("kept", [0, 100])
+def test_a_damaged_kernel_is_compiled_again(tmp_path: Path, suffix: str, kept: int) -> None:
+    first = kernel_in_a_process(tmp_path)
+    stored = list(tmp_path.rglob(f"*principal_stresses*{suffix}"))
+    assert stored
+    for path in stored:
+        path.write_bytes(path.read_bytes()[:kept])
+    again = kernel_in_a_process(tmp_path)
+    assert "compiled again" in again.stderr
+    assert again.stdout == first.stdout
+    third = kernel_in_a_process(tmp_path)
+    assert (third.stdout, third.stderr) == (first.stdout, "")
+
+
+@pytest.mark.slow
+def test_no_process_uses_a_kernel_that_it_has_compiled_itself(tmp_path: Path) -> None:
+    """Otherwise the first run after an installation had other last bits than those that simulate it again."""
+    assert kernel_in_a_process(tmp_path).stdout.endswith("] 0\n")
+
+
+@pytest.mark.slow
+def test_kernels_that_others_can_write_are_not_used(tmp_path: Path) -> None:
+    kernel_in_a_process(tmp_path)
+    [folder] = (tmp_path / "kernels").iterdir()
+    assert folder.stat().st_mode & 0o777 == 0o700
+    folder.chmod(0o777)
+    before = sorted(folder.rglob("*"))
+    refused = kernel_in_a_process(tmp_path)
+    assert f"{folder} are not used, since others can write there: remove it" in refused.stderr
+    assert sorted(folder.rglob("*")) == before
 
 
 def compiling(folder: Path, code: str = "") -> str:

@@ -15,6 +15,7 @@ from wheelset_track_sim.inputs.yaml12 import dump, parse
 from wheelset_track_sim.scenario import Loads, Profiles, Scenario, SetPoint, load_scenario, override, scenario_from
 from wheelset_track_sim.track.track import load_track
 from wheelset_track_sim.wheelset.kinds import load_wheelset
+from wheelset_track_sim.wheelset.vehicle import Vehicle, load_vehicle
 
 
 @pytest.mark.parametrize("name", shipped.names("scenarios"))
@@ -151,6 +152,47 @@ NODES = dict.fromkeys(["trailer", "trailer_calculix", "freight", "metro"], "outp
 NODES |= dict.fromkeys(["slab_60e1", "ballasted_54e1", "ballasted_60e1", "x40"], "speed=30")
 
 
+def test_a_vehicle_is_a_name_its_content_or_none(tmp_path: Path) -> None:
+    assert load_scenario("undamaged").vehicle is None
+    named = load_scenario("undamaged", ["vehicle=power_car"])
+    assert (named.vehicle, named.to_mapping()["vehicle"]) == (load_vehicle("power_car"), "power_car")
+    heavier = load_scenario("undamaged", ["vehicle=power_car", "vehicle.bogie_mass=2000"])
+    assert heavier.vehicle == dataclasses.replace(load_vehicle("power_car"), bogie_mass=2000.0)
+    own = ["vehicle.bogie_mass=900", "vehicle.secondary_stiffness=3e5", "vehicle.secondary_damping=1e4"]
+    plain = load_scenario("undamaged", own)
+    assert plain.vehicle == Vehicle(900.0, 3e5, 1e4)
+    for scenario in (named, heavier, plain):
+        assert scenario_from(parse(scenario.to_yaml(), "")) == scenario
+    (tmp_path / "mine.yaml").write_text(dump(plain.to_mapping()["vehicle"]))
+    assert load_scenario("undamaged", [f"vehicle={tmp_path}/mine.yaml"]).vehicle == plain.vehicle
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("vehicle=tram", r"^vehicle = 'tram' is not a known vehicle: .*known are coach, power_car"),
+        ("vehicle.bogie_mass=900", r"^vehicle\.secondary_stiffness is missing"),
+        (
+            "vehicle={bogie_mass: 1, secondary_stiffness: 3e5, secondary_damping: 0}",
+            r"^vehicle\.bogie_mass = 1 kg is out",
+        ),
+        (
+            "vehicle={bogie_mass: 900, secondary_stiffness: 3e5, secondary_damping: 0, body_mass: 5}",
+            r"body_mass = 5 kg",
+        ),
+    ],
+)
+def test_a_vehicle_that_cannot_be_is_refused(change: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        load_scenario("undamaged", [change])
+
+
+def test_a_car_body_is_slower_than_the_functions_of_paper_dynamics() -> None:
+    changes = ["vehicle=coach", "vehicle.body_mass=4000", "dynamics=paper"]
+    with pytest.raises(InputError, match=r"^vehicle\.body_mass moves more slowly than .* leave it out"):
+        load_scenario("undamaged", changes)
+
+
 def test_imported_wheelsets_come_back_from_their_own_text() -> None:
     shown = load_scenario("imported")
     wheelset = dataclasses.replace(shown.wheelset, name="mine")
@@ -256,3 +298,12 @@ def test_every_error_is_raised_when_a_scenario_is_loaded(change: str, words: lis
 def test_no_public_field_of_a_scenario_is_untyped() -> None:
     hints = typing.get_type_hints(Scenario) | typing.get_type_hints(Profiles) | typing.get_type_hints(Loads)
     assert not [name for name, hint in hints.items() if "Any" in str(hint)]
+
+
+@pytest.mark.parametrize("change", ["speed = 30", " speed=30", "speed= 30 ", "speed : 30"])
+def test_spaces_around_a_key_and_its_value_do_not_count(change: str) -> None:
+    if "=" in change:
+        assert load_scenario("undamaged", [change]) == load_scenario("undamaged", ["speed=30"])
+    else:
+        with pytest.raises(InputError, match="--set 'speed : 30' is not of the form key=value, such as speed=30"):
+            load_scenario("undamaged", [change])

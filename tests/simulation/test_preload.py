@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.preload import RISE, Loading
 from wheelset_track_sim.simulation.simulator import Simulator
@@ -106,3 +107,26 @@ def test_changes_that_are_over_are_settled_without_a_change_of_bits():
     assert settled.over(1.39) is settled
     np.testing.assert_allclose(settled.over(1.5).at(times[-1:]), [first - 0.011], rtol=1e-15)
     assert settled.over(1.5).changes == ()
+
+
+def test_a_load_on_a_bogie_rises_a_little_later_and_comes_to_rest() -> None:
+    """The frame moves by 20 mm within the second: its inertia takes 7 % of the change meanwhile."""
+    scenario = load_scenario("undamaged", ["vehicle=power_car"])
+    simulator = Simulator(scenario)
+    simulator.settle()
+    change(simulator, axle_load=LOAD + 40e3)
+    found, times = forces(simulator, 2.5, chunk=1800)
+    mean = found[: len(found) // 1800 * 1800, 0].reshape(-1, 1800).mean(axis=1)  # of three bays
+    middle = times[900::1800][: len(mean)]
+    share = 0.5 - 0.5 * np.cos(np.pi * np.clip(middle / RISE, 0.0, 1.0))
+    assert np.abs(mean - (LOAD / 2 + 20e3 * share)).max() < 0.08 * 20e3
+    assert mean.max() < LOAD / 2 + 1.005 * 20e3
+    assert mean[-1] == pytest.approx(LOAD / 2 + 20e3, rel=1e-3)
+
+
+def test_a_load_on_a_car_body_that_moves_is_refused() -> None:
+    scenario = load_scenario("undamaged", ["vehicle=power_car", "vehicle.body_mass=7420"])
+    simulator = Simulator(scenario)
+    with pytest.raises(InputError, match=r"^axle_load cannot change during a run with vehicle\.body_mass"):
+        change(simulator, axle_load=LOAD + 40e3)
+    assert change(simulator, speed=30.0).number == 1

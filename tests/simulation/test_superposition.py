@@ -61,6 +61,18 @@ def test_loads_superpose(smooth: Simulator, unloaded: np.ndarray) -> None:
     assert (added[4][:, 0, 1] > 1.2 * added[4][:, 1, 1]).all()  # bending is largest at wheel 1
 
 
+def test_what_does_not_change_as_the_axle_turns_is_the_mean(smooth: Simulator, unloaded: np.ndarray) -> None:
+    """Bending is what is left of the stress along the axle; torque has none there."""
+    loads: dict[str, object] = {"press_fit": {"wheels": 2.5e-4}, "stresses": [{"node": "B1", "yy": 3e7}], "torque": 9e3}
+    simulator = Simulator(under(loads), models=smooth.models)
+    along = simulator.advance(STEPS).stresses[:, :, 1] - simulator.constant_stress[:, 1]
+    assert along == pytest.approx(unloaded[:, :, 1], abs=1e4)
+    assert simulator.constant_stress[0, 1] > 1e7
+    for bending in ({}, {"own_weight": True}):  # which a point of the axle sees as tension and compression in turn
+        simulator = Simulator(under(bending), models=smooth.models)
+        assert simulator.constant_stress == pytest.approx(np.zeros((3, 6)), abs=1.0)
+
+
 def test_forces_know_nothing_of_loads(smooth: Simulator) -> None:
     one, other = (
         Simulator(scenario, models=smooth.models).advance(STEPS)

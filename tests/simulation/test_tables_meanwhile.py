@@ -3,6 +3,7 @@
 import dataclasses
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from support.advancing import advance_to
 from wheelset_track_sim.contact import tables
 from wheelset_track_sim.errors import ContactError
-from wheelset_track_sim.irregularities import Breakout
+from wheelset_track_sim.irregularities import Breakout, Flat
 from wheelset_track_sim.scenario import WHEELS, Scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
@@ -108,3 +109,32 @@ def test_a_change_back_is_there_without_building(smooth: Simulator, monkeypatch:
     smooth.apply(plain)
     monkeypatch.setattr(tables, "force_path", lambda *arguments: pytest.fail("built again"))
     assert smooth.apply(changed).number == 3
+
+
+def test_tables_are_the_same_on_any_number_of_cores(
+    smooth: Simulator, monkeypatch: pytest.MonkeyPatch, tmp_path
+) -> None:
+    """They are built side by side, each curve by itself."""
+    flat = (Flat("wheel_1", length=0.03),)
+    found = []
+    for cores in (1, 3):
+        monkeypatch.setenv("WHEELSET_TRACK_SIM_CACHE", str(tmp_path / str(cores)))
+        monkeypatch.setattr(tables, "_RECENT", tables._Recent(100))
+        monkeypatch.setattr(tables, "cores", partial(int, cores))
+        found.append(smooth.models.contact_law(flat))
+    for name in ("first_point", "points", "table"):
+        assert np.array_equal(getattr(found[0], name), getattr(found[1], name))
+
+
+def test_a_change_that_is_broken_off_builds_no_further(smooth: Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "cores", lambda: 1)
+
+    def stop(stage: str, fraction: float) -> None:
+        raise KeyboardInterrupt
+
+    built = []
+    build = tables.force_path
+    monkeypatch.setattr(tables, "force_path", lambda *arguments: (built.append(1), build(*arguments))[1])
+    with pytest.raises(KeyboardInterrupt):
+        smooth.models.contact_law((Flat("wheel_1", length=0.02),), stop)
+    assert len(built) < 10

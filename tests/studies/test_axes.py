@@ -1,7 +1,6 @@
 import pytest
 
 from wheelset_track_sim.errors import InputError
-from wheelset_track_sim.studies import units
 from wheelset_track_sim.studies.axes import read_axis
 
 
@@ -37,21 +36,6 @@ def test_labels_change_several_keys() -> None:
 
 def test_texts_are_values_too() -> None:
     assert values("lag_zero", ["residual", "zero"]) == ["residual", "zero"]
-
-
-@pytest.mark.parametrize(
-    ("key", "meaning"),
-    [
-        ("irregularities.0.h", ("depth", "m")),
-        ("track.sleeper.length", None),
-        ("max_frequency", ("band limit", "Hz")),
-        ("lag_zero", ("lag_zero", "")),
-        ("nothing.at.all", ("nothing.at.all", "")),
-    ],
-)
-def test_meaning_of_keys_comes_from_their_declaration(key: str, meaning: tuple[str, str] | None) -> None:
-    found = units.meaning(key)
-    assert found == meaning or (meaning is None and found[1] == "m")
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,7 @@ class Launched:
             for name, value in given.items()
         }
         self.ros_arguments = named["ros_arguments"]
+        self.on_exit = named["on_exit"]
 
     def command(self, folder):
         """Arguments of the process, as ``launch_ros`` makes them."""

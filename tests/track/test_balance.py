@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from wheelset_track_sim.track.balance import ORDER, MovingTrack, balanced, gramian, moving_track
-from wheelset_track_sim.track.ring import track_ring
+from wheelset_track_sim.track.balance import CHECKED, ORDER, MovingTrack, balanced, gramian, moving_track, serves
+from wheelset_track_sim.track.ring import HalfRing, track_ring
 from wheelset_track_sim.track.track import load_track
 
 DX = 5e-3
@@ -65,6 +65,35 @@ def test_a_state_is_carried_from_speed_to_speed_and_back(reduced) -> None:
     assert slow.carried(fast, carried) == pytest.approx(r, rel=1e-6, abs=1e-9 * np.abs(r).max())
     # what it deflects is the same at once, whatever the speed
     assert (fast.output @ carried).real == pytest.approx((slow.output @ r).real, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_a_half_whose_reduction_grows_or_errs_keeps_the_modes_of_its_ring(ring, reduced) -> None:
+    """Ten times the stiffness of the pads and a fifth of their damping: a pole of +8.6 1/s at 100 m/s."""
+    shipped = load_track("ballasted_60e1")
+    pad = {"stiffness": 10 * shipped.pad.stiffness, "damping": 0.2 * shipped.pad.damping}
+    track = load_track({"base": "ballasted_60e1", "name": "stiff", "pad": pad})
+    half = track_ring(track, 0.02).antisymmetric
+    grown = balanced(half, ORDER)
+    assert max(np.linalg.eigvals(grown.rate + v * grown.rate_of_speed).real.max() for v in CHECKED) > 5.0
+    assert not serves(grown, half, 0.02)
+    assert all(half.modes(v).poles.real.max() == half.poles.real.max() < 0.0 for v in CHECKED)
+    assert serves(reduced, ring.symmetric, DX)
+    assert not serves(balanced(ring.symmetric, 60), ring.symmetric, DX)  # stable, but 1.5 % off
+
+
+@pytest.mark.slow
+def test_a_track_that_is_not_reduced_runs_from_speed_to_speed() -> None:
+    shipped = load_track("ballasted_60e1")
+    little = load_track({"base": "ballasted_60e1", "name": "little", "pad": {"damping": 0.01 * shipped.pad.damping}})
+    track = moving_track(little, 0.02)
+    assert all(isinstance(half, HalfRing) for half in track.halves)
+    again = MovingTrack.from_arrays(track.to_arrays())
+    slow, fast = (again.symmetric.modes(speed) for speed in (10.0, 100.0))
+    state = again.symmetric.standing(3, 1e5)
+    static = (slow.output[3] @ slow.of_state(state)).real + again.symmetric.residual[3] * 1e5
+    assert static == pytest.approx(1e5 * again.symmetric.compliance()[3], rel=1e-12)
+    assert (fast.output[3] @ fast.carried(slow, state)).real == (slow.output[3] @ state).real
 
 
 def test_round_trip(ring) -> None:

@@ -118,6 +118,15 @@ def test_other_scenarios_give_the_same_bits_too(tmp_path: Path, scenario: str) -
     assert resimulate(recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 3000)).identical
 
 
+def test_a_run_under_a_vehicle_gives_the_same_bits_and_its_bag_names_the_vehicle(tmp_path: Path) -> None:
+    simulator = Simulator(load_scenario("damage_wheel_1", ["vehicle=power_car", "vehicle.bogie_mass=1500"]))
+    bag = recorded(tmp_path / "run.mcap", simulator, [(997, {"axle_load": 180e3})], 2000)
+    assert set(Bag(bag).info.models) == {"wheelset", "track", "vehicle"}
+    assert resimulate(bag).identical
+    found = resimulate(bag, ["vehicle.bogie_mass=700"])
+    assert not found.identical
+
+
 @pytest.mark.slow
 def test_a_part_of_a_bag_is_simulated_from_the_start_of_its_run(tmp_path: Path) -> None:
     simulator = Simulator(load_scenario("undamaged"))
@@ -187,7 +196,7 @@ def test_a_run_whose_beginning_is_unknown_settles(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_what_would_have_been(bag: Path) -> None:
-    damage = ["wheel_1.damage.h=0.001", "wheel_1.damage.a=0.03", "wheel_1.damage.b=0.024"]
+    damage = ["irregularities=[{type: breakout, on: wheel_1, a: 0.03, b: 0.024, h: 0.001}]"]
     deeper = resimulate(bag, [*damage, "settle_on=smooth"])
     assert not deeper.identical
     assert deeper.force is not None

@@ -16,11 +16,10 @@ def test_an_irregularity_is_set_wherever_there_is_one() -> None:
     assert [each.h for each in both.irregularities] == [BOTH.irregularities[0].h, 0.0003]
 
 
-def test_damage_by_the_name_of_the_parameter_holds_throughout_the_run() -> None:
+def test_damage_by_the_name_of_the_parameter_is_set_wherever_there_is_a_breakout() -> None:
     smooth, both = with_settings([SMOOTH, BOTH], ["wheel_2.damage.h=0.0003"])
-    for scenario in (smooth, both):
-        [found] = [each for each in scenario.irregularities if each.on == "wheel_2"]
-        assert found.h == 0.0003
+    assert smooth == SMOOTH
+    assert [(each.on, each.h) for each in both.irregularities] == [("wheel_1", 0.002), ("wheel_2", 0.0003)]
     assert [each.on for each in with_settings([BOTH], ["wheel_2.damage.h=0"])[0].irregularities] == ["wheel_1"]
 
 
@@ -41,6 +40,7 @@ def test_models_may_be_set_too() -> None:
         ("step_length=0.0005", "step_length cannot be set"),
         ("wheel_1.damage.h=deep", r"wheel_1.damage.h = 'deep'"),
         ("wheel_1.damage.h", "not of the form key=value"),
+        ("wheel_1.damage.depth=1", "did you mean|wheel_1.damage.depth"),
         ("speed", "not of the form key=value"),
         ("sped=30", "did you mean speed"),
         ("axle_load=1", "axle_load = 1 N is out of range"),
@@ -49,3 +49,26 @@ def test_models_may_be_set_too() -> None:
 def test_what_cannot_be_set_is_refused(setting: str, reason: str) -> None:
     with pytest.raises(InputError, match=reason):
         with_settings([SMOOTH, BOTH], [setting])
+
+
+@pytest.mark.parametrize("name", ["flat_fresh", "polygon", "rough_wheel", "undamaged"])
+@pytest.mark.parametrize("value", ["h", "a", "angle"])
+def test_nothing_is_added_to_a_wheel_that_has_no_breakout(name: str, value: str) -> None:
+    """A depth that is set on a flat would be that of a second defect inside it."""
+    recorded = load_scenario(name)
+    of_wheel = [f"irregularities.{n} is a {i.type}" for n, i in enumerate(recorded.irregularities) if i.on == "wheel_1"]
+    with pytest.raises(InputError, match=f"the run has no breakout on wheel_1 .{of_wheel[0] if of_wheel else 'which'}"):
+        with_settings([recorded], [f"wheel_1.damage.{value}=0.001"])
+
+
+def test_all_irregularities_may_be_given() -> None:
+    given = "irregularities=[{type: breakout, on: wheel_1, a: 0.03, b: 0.024, h: 0.001}]"
+    first, second = with_settings([SMOOTH, load_scenario("flat_fresh")], [given])
+    assert first.irregularities == second.irregularities
+    assert [each.h for each in first.irregularities] == [0.001]
+
+
+def test_spaces_around_a_key_do_not_count() -> None:
+    assert with_settings([BOTH], ["speed = 30", " wheel_1.damage.h = 0.001"]) == with_settings(
+        [BOTH], ["speed=30", "wheel_1.damage.h=0.001"]
+    )

@@ -22,9 +22,10 @@ def one_turn(name: str, *changes: str) -> SampleBlock:
 
 
 @pytest.mark.slow
-def test_smooth_running_agrees() -> None:
-    causal = one_turn("undamaged", COARSE)
-    paper = one_turn("undamaged", COARSE, "dynamics=paper")
+@pytest.mark.parametrize("vehicle", ["null", "power_car"])
+def test_smooth_running_agrees(vehicle: str) -> None:
+    causal = one_turn("undamaged", COARSE, f"vehicle={vehicle}")
+    paper = one_turn("undamaged", COARSE, f"vehicle={vehicle}", "dynamics=paper")
     assert np.abs(causal.forces - paper.forces).max() < 0.005 * STATIC
     assert np.abs(causal.stresses - paper.stresses).max() < 0.005 * np.abs(causal.stresses).max()
 

@@ -33,7 +33,7 @@ def run(half: HalfRing, forces: np.ndarray, *, speed: float, start: int = 0, sta
     moving = half.moving_poles(speed)
     dt = DX / (speed or SPEED)
     a, (b0, b1) = np.exp(moving * dt), hold_coefficients(moving, dt)
-    q, places, forward = half.standing(standing), len(half.residual), 1 if speed else 0
+    q, places, forward = half.standing(0, standing), len(half.residual), 1 if speed else 0
     xi = np.empty(len(forces))
     for n, force in enumerate(forces):
         here = (start + forward * n) % places
@@ -65,7 +65,7 @@ def test_statics_are_exact_at_every_position(ring: TrackRing) -> None:
 
 def test_standing_state_carries_the_static_deflection(ring: TrackRing) -> None:
     half = ring.symmetric
-    at_rest = (half.output[0] @ half.standing(LOAD)).real + half.residual[0] * LOAD
+    at_rest = (half.output[0] @ half.standing(0, LOAD)).real + half.residual[0] * LOAD
     exact = bloch.bloch_track(TRACK, "symmetric", 0.0).receptance(0.0, 0.0)[0, 0].real * LOAD
     assert at_rest == pytest.approx(exact, rel=1e-9)
 

@@ -80,17 +80,25 @@ def _half_spaces() -> Any:
     return rows
 
 
+def hertz() -> Any:
+    """Crown, element length and width, force, and errors of force and pressure against Hertz."""
+    return recall("hertz", [FORCES], _hertz)
+
+
+def spaces() -> Any:
+    """Defect, force, largest pressure, and differences of pressures and approach to ContactMechanics."""
+    return recall("half-spaces", [[name, tread] for name, _, tread in DEFECTS], _half_spaces)
+
+
 def section() -> str:
     """Text of the section."""
-    hertz = recall("hertz", [FORCES], _hertz)
-    spaces = recall("half-spaces", [[name, tread] for name, _, tread in DEFECTS], _half_spaces)
     near = [
         [f"{name}, {dx * 1e3:g} × {dy * 1e3:g} mm", force / 1e3, pressure / 1e9, 100 * of_force, 100 * of_pressure]
-        for name, dx, dy, force, of_force, of_pressure, pressure in hertz
+        for name, dx, dy, force, of_force, of_pressure, pressure in hertz()
     ]
     other = [
         [name, force / 1e3, pressure / 1e9, exponent(error), exponent(abs(offset))]
-        for name, force, pressure, error, offset in spaces
+        for name, force, pressure, error, offset in spaces()
     ]
     return paragraphs(
         "## 4. Contact",

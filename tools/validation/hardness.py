@@ -17,7 +17,7 @@ from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 from .page import number, paragraphs, percent, table
-from .runs import BEFORE, must, passage, shared_models
+from .runs import BEFORE, Passage, must, passage, shared_models
 from .store import recall
 
 CASES = (
@@ -84,36 +84,44 @@ def _sphere() -> list[list[float]]:
     return rows
 
 
+def _found(name: str, hardness: float | None, length: float = 0.001) -> tuple[Passage, dict[str, float]]:
+    """A passage and its pressures."""
+    changes = _changes(hardness, length)
+    found = recall("pressures", [name, changes], lambda: _pressures(name, changes))
+    return must(passage(name, changes)), found
+
+
+def flat() -> tuple[float, float]:
+    """Of the fresh flat: share of the elastic force above the hardness of steel, and what that hardness takes off."""
+    elastic, bounded = (_found("flat_fresh", each) for each in (None, STEEL))
+    return elastic[1]["share"], 1 - bounded[0].largest[0] / elastic[0].largest[0]
+
+
+def _row(title: str, name: str, hardness: float | None) -> list[Any]:
+    run, found = _found(name, hardness)
+    bound = "none" if hardness is None else f"{hardness / 1e9:g} GPa"
+    of_force = of_stress = None
+    if hardness is not None:
+        elastic, _ = _found(name, None)
+        of_force = percent(run.largest[0], elastic.largest[0])
+        of_stress = percent(run.stress[0], elastic.stress[0], 2)
+    return [
+        *(title, bound, found["largest"], found["at_peak"], f"{100 * found['share']:.0f} %"),
+        *(run.largest[0], of_force, run.loss[0], *run.stress, of_stress),
+    ]
+
+
+def _step(length: float) -> list[Any]:
+    row: list[Any] = [f"{1e3 * length:g} mm"]
+    for hardness in (None, STEEL):
+        run, found = _found("flat_fresh", hardness, length)
+        row += [found["largest"], run.largest[0], run.stress[0]]
+    return row
+
+
 def section() -> str:
     """Text of the section."""
-    rows = []
-    for name, title in CASES:
-        elastic = must(passage(name, _changes(None)))
-        for hardness in HARDNESSES:
-            changes = _changes(hardness)
-            run = must(passage(name, changes))
-            found = recall("pressures", [name, changes], lambda name=name, changes=changes: _pressures(name, changes))
-            bound = "none" if hardness is None else f"{hardness / 1e9:g} GPa"
-            change = None if hardness is None else percent(run.largest[0], elastic.largest[0])
-            share = f"{100 * found['share']:.0f} %"
-            stress = None if hardness is None else percent(run.stress[0], elastic.stress[0], 2)
-            rows.append(
-                [
-                    *(title, bound, found["largest"], found["at_peak"], share),
-                    *(run.largest[0], change, run.loss[0], *run.stress, stress),
-                ]
-            )
-    steps = []
-    for length in LENGTHS:
-        row: list[Any] = [f"{1e3 * length:g} mm"]
-        for hardness in (None, STEEL):
-            changes = _changes(hardness, length)
-            run = must(passage("flat_fresh", changes))
-            found = recall(
-                "pressures", ["flat_fresh", changes], lambda changes=changes: _pressures("flat_fresh", changes)
-            )
-            row += [found["largest"], run.largest[0], run.stress[0]]
-        steps.append(row)
+    rows = [_row(title, name, hardness) for name, title in CASES for hardness in HARDNESSES]
     fresh = {row[1]: row for row in rows if row[0] == CASES[0][1]}
     steel = fresh[f"{STEEL / 1e9:g} GPa"]
     return paragraphs(
@@ -148,7 +156,7 @@ def section() -> str:
         f"the right with {STEEL / 1e9:g} GPa:",
         table(
             ("step", "pressure, GPa", "max 1, kN", "A1, MPa", "pressure, GPa", "max 1, kN", "A1, MPa"),
-            steps,
+            map(_step, LENGTHS),
             (0, 2, 1, 1, 2, 1, 1),
         ),
         f"Against another code: a sphere of {1e3 * RADIUS:g} mm with a hardness of {MOST / 1e9:g} GPa. Pressures agree "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +90,7 @@ def passage(
 _latest: dict[str, Models] = {}
 
 
-def shared_models(scenario: Scenario, tables: bool, key: Any) -> Models:
+def shared_models(scenario: Scenario, tables: bool | Literal["smooth"], key: Any) -> Models:
     """Models of a scenario; those of the call before if nothing but what may change during a run differs."""
     same = {name: value for name, value in scenario.to_mapping().items() if name not in CHANGEABLE}
     named = digest([same, tables, key])

@@ -71,7 +71,7 @@ def facts(changes: tuple[str, ...] = ()) -> dict[str, Any]:
 
     def compute() -> Any:
         scenario = load_scenario("undamaged", [f"wheelset.{change}" for change in changes])
-        return _facts(reduced_wheelset(load_wheelset(scenario.wheelset)))
+        return _facts(reduced_wheelset(scenario.wheelset))
 
     found: dict[str, Any] = recall("wheelset", list(changes), compute)
     return found

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError, RecordingError
 from ..samples.block import SampleBlock
-from .bag_reader import FORCES, BagReader, Lost
-from .losses import Damage, Gap
-from .messages import State, block_of, start_of, state_of, stress_topic
+from .bag_reader import FORCES, SAMPLES, STRESS, BagReader, Lost
+from .content import LAST, checked_block, checked_state, span_of
+from .grouping import HELD, Group, Groups, by_step
+from .losses import LONGEST_GAP, Damage, Gap
+from .messages import State, start_of, stress_topic
 from .run_info import RunInfo
 from .window import EVERYTHING, RunWindow
 
-KINDS = (FORCES, "AxleStress", "SimulationState")
+STATE = "SimulationState"
+KINDS = (*SAMPLES, STATE)
 """Messages that make up a run; all others are derived from them."""
-WAITING = 64
-"""Chunks of samples that wait for the rest of their messages; in a bag of this package none does."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +58,8 @@ class Bag:
     @cached_property
     def start_ns(self) -> int:
         """Time stamp of step 0, ns since the epoch."""
-        for message in self.reader.quiet.messages(KINDS):
-            return start_of(message)
+        for start in self.reader.quiet.messages(KINDS, start_of):
+            return start
         raise self.nothing()
 
     @cached_property
@@ -68,7 +69,7 @@ class Bag:
 
     def each_state(self) -> Iterator[State]:
         """The same, each read when it is needed."""
-        return (state_of(message) for message in self.reader.quiet.messages(("SimulationState",)))
+        return self.reader.quiet.messages((STATE,), checked_state)
 
     def blocks(self, window: RunWindow = EVERYTHING, nodes: Sequence[str] | None = None) -> Iterator[SampleBlock]:
         """Blocks of the run in their order, as ``events`` yields them."""
@@ -83,72 +84,106 @@ class Bag:
         InputError names a node that is not there.
         """
         self.reader.report_missing()
-        stresses = self._stress_topics(nodes)
-        waiting: dict[int, dict[str, Any]] = {}  # messages by topic, of chunks that are incomplete
+        groups = Groups((FORCES, *self._stress_topics(nodes)))
+        states: deque[State] = deque()
+        found = self._complete(groups, window, states.append)
+        if self.reader.disordered:
+            found = by_step(found, lambda block: block.forces.nbytes + block.stresses.nbytes)
         before: SampleBlock | None = None
+        over = False
+        for event in found:
+            while states:
+                yield states.popleft()
+            if window.over(event.first_step, event.time):
+                break
+            if not window.touches(event):
+                continue
+            over = before is not None and not self._follows(before, event, groups)
+            if over:
+                break
+            if not self.reader.disordered:  # what is incomplete before it stays so
+                self._leave_out(groups, groups.taken(event.first_step), window)
+            yield event
+            before = event
+        yield from states
+        if not over:
+            self._leave_out(groups, groups.taken(2 * LAST), window)
+        if before is None:
+            raise self.nothing(window)
+
+    def _complete(self, groups: Groups, window: RunWindow, tell: Callable[[State], object]) -> Iterator[SampleBlock]:
+        """Blocks, each when the last of its messages has come; ``tell`` is called with the states between them."""
         for found in self.reader.stored(KINDS, window):
             topic = found.message.topic
-            if topic.kind not in KINDS or (topic.kind == "AxleStress" and topic.name not in stresses):
+            signal = FORCES if topic.kind == FORCES else topic.name
+            if topic.kind != STATE and signal not in groups.signals:
                 continue
             message = self.reader.decoded(found)
             if message is None:
                 continue
-            if topic.kind == "SimulationState":
-                yield state_of(message)
+            if topic.kind == STATE:
+                state = self.reader.made(found, partial(checked_state, message))
+                if state is not None:
+                    tell(state)
+                continue
+            if self.reader.made(found, partial(span_of, message)) is None:
                 continue
             if message.decimation != 1:
                 raise RecordingError(
                     f"{self.path} holds only each {message.decimation}th step of {topic.name}: record it at full rate"
                 )
-            chunk = waiting.setdefault(message.first_step, {})
-            chunk[topic.name if topic.kind == "AxleStress" else FORCES] = message
-            if len(chunk) <= len(stresses):
-                self._leave_out(waiting, stresses, WAITING)
+            group = groups.add(signal, message, len(found.message.data))
+            if group is None:
+                self._leave_out(groups, groups.oldest(HELD), window)
                 continue
-            del waiting[message.first_step]
-            block = block_of(chunk[FORCES], [chunk[name] for name in stresses])
-            if window.over(block.first_step, block.time):
-                break
-            if window.touches(block):
-                if before is not None and not self._follows(before, block):
-                    break
+            forces, *stresses = (group.messages[signal] for signal in groups.signals)
+            block = self.reader.made(found, partial(checked_block, forces, stresses))
+            if block is not None:
                 yield block
-                before = block
-        else:
-            if window.whole:
-                self._leave_out(waiting, stresses, 0)
-        if before is None:
-            raise self.nothing(window)
 
-    def _follows(self, before: SampleBlock, block: SampleBlock) -> bool:
+    def _follows(self, before: SampleBlock, block: SampleBlock, groups: Groups) -> bool:
         """Whether a block comes after another, with or without a gap, which is reported."""
         end, end_time = before.first_step + len(before), before.time + len(before) * before.step_period
         if block.first_step == end:
             return True
+        again = Damage.again(self.path.name, block.first_step, end)
         if self.lost is None:
+            for group in groups:
+                if end <= group.first_step < block.first_step:
+                    raise self._incomplete(group.missing(groups.signals, FORCES))
+            if block.first_step < end:
+                raise self._incomplete(again.what)
             raise RecordingError(
                 f"{self.path} has a gap: after step {end - 1} comes step {block.first_step}, record it again or read "
                 "it with its gaps"
             )
+        if block.first_step - end > LONGEST_GAP:
+            self.lost(Damage.far(self.path.name, block.first_step, end))
+            return False
         if gap := Gap.between(end, end_time, block.first_step, block.time):
             self.lost(gap)
             return True
-        self.lost(Damage.again(self.path.name, block.first_step, end))
+        self.lost(again)
         return False
 
-    def _leave_out(self, waiting: dict[int, dict[str, Any]], stresses: Sequence[str], most: int) -> None:
-        """Report the oldest incomplete chunks, until only ``most`` are left; without ``lost``, keep them all."""
-        while self.lost and len(waiting) > most:
-            first_step = next(iter(waiting))
-            chunk = waiting.pop(first_step)
-            missing = ", ".join(
-                topic if topic != FORCES else "contact forces" for topic in (FORCES, *stresses) if topic not in chunk
-            )
-            reason = f"samples from step {first_step} on are incomplete without {missing}"
-            self.lost(Damage(self.path.name, 0, 0, reason))
+    def _leave_out(self, groups: Groups, incomplete: Iterable[Group], window: RunWindow) -> None:
+        """Report incomplete groups that have samples in a window; without ``lost``, they are rejected."""
+        for group in incomplete:
+            some = next(iter(group.messages.values()))
+            last = span_of(some) - 1
+            if window.meets(some.first_step, some.time, some.first_step + last, some.time + last * some.step_period):
+                reason = group.missing(groups.signals, FORCES)
+                if self.lost is None:
+                    raise self._incomplete(reason)
+                self.lost(Damage(self.path.name, 0, 0, reason))
+
+    def _incomplete(self, reason: str) -> RecordingError:
+        return RecordingError(
+            f"{self.path} is not a complete bag ({reason}): record it again, or read it with its gaps"
+        )
 
     def _stress_topics(self, nodes: Sequence[str] | None) -> list[str]:
-        there = self.reader.quiet.topics("AxleStress")
+        there = self.reader.topics(STRESS)
         if nodes is None:
             return there
         found = []

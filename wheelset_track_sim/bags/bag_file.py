@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import os
 from collections import Counter
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 
+from ..runtime.output_files import file_name
 from ..version import __version__
+from .folder_files import is_mcap
 from .folder_metadata import METADATA, BagPart, write_folder_metadata
 from .mcap.writer import McapWriter
 from .topics import Topic
@@ -97,12 +99,9 @@ class BagFile:
         self._require_name()
 
     def sync(self) -> None:
-        """Wait until everything flushed is on the disk, where it outlives a power failure."""
-        try:
+        """Wait until everything flushed is on the disk; the name of the file may be not."""
+        with _of_disks():
             os.fdatasync(self._stream.fileno())
-        except OSError as reason:
-            if reason.errno not in NO_DISK:
-                raise
 
     def finish(self) -> None:
         """Write the messages at hand and the index, and close; finishing again does nothing."""
@@ -142,7 +141,7 @@ class BagFiles:
     def __init__(self, path: Path) -> None:
         """Create the folder, which must not exist, or the folders above a single file."""
         self.path = path
-        self.folder = path.suffix != ".mcap"
+        self.folder = not is_mcap(path)
         if self.folder:
             path.mkdir(parents=True)
         else:
@@ -151,6 +150,7 @@ class BagFiles:
         self.current: BagFile | None = None
         self._begun = 0
         self._topics: dict[str, Topic] = {}
+        self._unsynced = {path.parent}
 
     @property
     def bound(self) -> int:
@@ -162,11 +162,25 @@ class BagFiles:
         before = self.current
         if before is not None:
             before.finish()
-        file = BagFile(self._path_of(f"{self.path.name}_{self._begun}.mcap"), begin_ns, records)
+        file = BagFile(self._path_of(f"{file_name(self.path.name)}_{self._begun}.mcap"), begin_ns, records)
         self._end_current()
         self.current, self._begun = file, self._begun + 1
+        self._unsynced.add(file.path.parent)
         self._write_metadata()
         return file
+
+    def sync(self) -> None:
+        """Wait until everything flushed is on the disk, with the names of the files: it outlives a power failure."""
+        if self.current is not None:
+            self.current.sync()
+        for path in sorted(self._unsynced, key=lambda path: path.is_dir()):  # contents before names
+            with suppress(FileNotFoundError), _of_disks():  # the oldest ones are removed
+                opened = os.open(path, os.O_RDONLY)
+                try:
+                    os.fsync(opened)
+                finally:
+                    os.close(opened)
+        self._unsynced.clear()
 
     def finish(self) -> None:
         """Finish the current file; finishing again does nothing."""
@@ -205,6 +219,7 @@ class BagFiles:
     def _end_current(self) -> None:
         if self.current is not None:
             self.finished.append(self.current.part)
+            self._unsynced.add(self.current.path)
             self._note_topics(self.current)
             self.current = None
 
@@ -215,7 +230,18 @@ class BagFiles:
             self._note_topics(self.current)
         if self.folder and parts:
             write_folder_metadata(self.path, parts, [*self._topics.values()])
+            self._unsynced |= {self.path / METADATA, self.path}
 
     def _note_topics(self, file: BagFile) -> None:
         for topic in file.topics:
             self._topics.setdefault(topic.name, topic)
+
+
+@contextmanager
+def _of_disks() -> Iterator[None]:
+    """Leave streams alone that are no files on a disk."""
+    try:
+        yield
+    except OSError as reason:
+        if reason.errno not in NO_DISK:
+            raise

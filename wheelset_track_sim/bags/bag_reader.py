@@ -5,14 +5,14 @@ All readers of bags are built on this one: ``Bag`` (blocks and arrays), ``overvi
 
 from __future__ import annotations
 
-import re
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cached_property
-from itertools import groupby
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from itertools import groupby, takewhile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from mcap.records import Metadata
 from rosbags.serde import SerdeError
@@ -20,14 +20,23 @@ from rosbags.typesys import TypesysError
 
 from ..errors import NoBagError, RecordingError
 from .definitions import DefinitionError, decoder
-from .folder_metadata import missing_files
+from .folder_files import OTHERS, FolderFiles, folder_files, is_mcap
+from .folder_metadata import METADATA
 from .losses import Damage, Loss
-from .mcap.reader import UNREADABLE, Chunk, McapReader, StoredMessage
+from .mcap.reader import UNREADABLE, Chunk, Known, McapReader, StoredMessage
+from .messages import start_of
 from .run_info import RunInfo
 from .window import EVERYTHING, RunWindow, first_chunk
 
-DAMAGE = (*UNREADABLE, SerdeError, TypesysError)
-FORCES = "ContactForces"
+T = TypeVar("T")
+DAMAGE = (*UNREADABLE, SerdeError, TypesysError, ArithmeticError, TypeError, AttributeError)
+"""Errors of the libraries, and of our own functions, for content that is not what it should be."""
+FORCES, STRESS = "ContactForces", "AxleStress"
+SAMPLES = (FORCES, STRESS)
+LONGEST_REASON = 300
+"""Characters of a library's message that are told."""
+SAME_START = 1000
+"""Difference in the time of step 0, ns, within one run: rounding."""
 Lost = Callable[[Loss], object]
 
 
@@ -37,6 +46,23 @@ class Located(NamedTuple):
     message: StoredMessage
     chunk: Chunk
     mcap: McapReader
+
+
+class _Place(NamedTuple):
+    """Where messages are."""
+
+    file: Path
+    place: int
+    first_ns: int
+    last_ns: int
+
+
+class _Order(NamedTuple):
+    """What the files of a bag say of their topics."""
+
+    kinds: dict[str, str]
+    """Short type of each topic."""
+    disordered: bool
 
 
 @dataclass(frozen=True)
@@ -49,35 +75,53 @@ class BagReader:
     path: Path
     lost: Lost | None = None
 
-    @cached_property
+    _known: dict[Path, Known] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
     def files(self) -> tuple[Path, ...]:
         """Files of the bag in their order; raises NoBagError if there are none."""
+        return self.folder.files
+
+    @cached_property
+    def folder(self) -> FolderFiles:
+        """The files of the bag, and what is wrong with their list; raises NoBagError if there are none."""
         path = self.path
         if not path.exists():
             raise NoBagError(f"{path} does not exist: give a bag folder or an .mcap file")
         if path.is_file():
-            return (path,)
-        files = sorted(path.glob("*.mcap"), key=lambda file: (_number(file.name), file.name))
-        if not files:
+            return FolderFiles((path,))
+        found = folder_files(path, self.quiet.begins)
+        if not found.files:
             inside = min((file.parent for file in path.glob("*/*.mcap")), default=None)  # of snapshots, of recordings
             such = f", such as {inside}" if inside else ""
+            if any(file.name.endswith(OTHERS) for file in path.iterdir()):
+                such = ", as ros2 bag convert makes it of SQLite bags and of files that are compressed as a whole"
             raise NoBagError(f"{path} holds no .mcap file: give a bag folder or an .mcap file{such}")
-        return tuple(files)
+        return found
 
     @property
     def quiet(self) -> BagReader:
         """The same without reports of damage, for preliminary look-ups."""
-        return BagReader(self.path, self.lost and _ignore)
+        return BagReader(self.path, self.lost and _ignore, self._known)
 
     @cached_property
     def info(self) -> RunInfo | None:
         """The record of the run in the first file that has one; None if there is none."""
         for file in self.files:
-            for _, item in self.quiet.contents(file):
-                if isinstance(item, Chunk):
-                    break
-                if info := self.info_in(file, item):
-                    return info
+            with self.quiet.opened(file) as mcap:
+                at_start = [*takewhile(lambda item: isinstance(item, Metadata), mcap.scan())]
+                for item in (*at_start, *(item for item in mcap.metadata() if item not in at_start)):
+                    if isinstance(item, Metadata) and (info := self.info_in(file, item)):
+                        return info
+        return None
+
+    def begins(self, file: Path) -> int | None:
+        """Time of the first message of a file, ns; None if none can be read."""
+        with BagReader(file, _ignore, self._known).opened(file) as mcap:
+            if mcap.layout is not None:
+                return min((part.first_ns for part in mcap.layout.parts), default=None)
+            for span in mcap.spans():
+                return span.first_ns
         return None
 
     def info_in(self, file: Path, record: Metadata) -> RunInfo | None:
@@ -89,31 +133,43 @@ class BagReader:
             return None
 
     def topics(self, kind: str) -> list[str]:
-        """Topics of a short type, in the order of their numbers in the first file that has samples."""
-        for file in self.files:
-            with self.opened(file) as mcap:
-                if mcap.index is None:
-                    _look_for_topics(mcap)
-                kinds = {topic.name: topic.kind for topic in mcap.topics}
-                found = [name for name, of in kinds.items() if of == kind]
-                if found or FORCES in kinds.values():
-                    return found
-        return []
+        """Topics of a short type, in the order of their numbers in the first file that has them."""
+        return [name for name, of in self._order.kinds.items() if of == kind]
 
-    def messages(self, kinds: Sequence[str]) -> Iterator[Any]:
-        """Messages of some short types in the order of the files, decoded."""
+    @property
+    def disordered(self) -> bool:
+        """Whether samples are known to be stored in another order than that of time."""
+        return self._order.disordered
+
+    @cached_property
+    def _order(self) -> _Order:
+        """Topics, and whether their messages are in the order of time; files that do not list them are read for it."""
+        kinds: dict[str, str] = {}
+        disordered = False
+        for file in self.files:
+            with self.quiet.opened(file) as mcap:
+                if not mcap.lists_all:
+                    deque(mcap.look_through(), maxlen=0)
+                for topic in mcap.topics:
+                    kinds.setdefault(topic.name, topic.kind)
+                disordered = disordered or any(kinds.get(name) in SAMPLES for name in mcap.unordered)
+        return _Order(kinds, disordered)
+
+    def messages(self, kinds: Sequence[str], make: Callable[[Any], T]) -> Iterator[T]:
+        """What ``make`` makes of each message of some short types, in the order of the files."""
         for found in self.stored(kinds):
             if found.message.topic.kind in kinds:
                 message = self.decoded(found)
-                if message is not None:
-                    yield message
+                made = None if message is None else self.made(found, partial(make, message))
+                if made is not None:
+                    yield made
 
     def stored(self, kinds: Sequence[str], window: RunWindow = EVERYTHING) -> Iterator[Located]:
         """All messages of chunks that may hold some of ``kinds`` in the window; every message if samples are wanted.
 
         Raises RecordingError for a bag of several runs, whose messages differ by nothing but their topics.
         """
-        runs = [*self.quiet.topics(FORCES)]
+        runs = [*self.topics(FORCES)]
         self._require_one(runs)
         for mcap, chunk in self._chunks(window, kinds):
             for message in mcap.messages(chunk):
@@ -125,13 +181,20 @@ class BagReader:
 
     def decoded(self, found: Located) -> Any:
         """A message of this package with its fields as attributes; None if it does not match its definition."""
-        (topic, *_, data), chunk, mcap = found
+        topic, data = found.message.topic, found.message.data
+        return self.made(found, lambda: decoder(topic.kind, topic.encoding, topic.definition)(data))
+
+    def made(self, found: Located, make: Callable[[], T]) -> T | None:
+        """What ``make`` makes of a message; None if its content cannot be used, which is reported as damage.
+
+        Everything that is made of the content of bags is made within, so that no content raises anything else.
+        """
         try:
-            return decoder(topic.kind, topic.encoding, topic.definition)(data)
+            return make()
         except DefinitionError as reason:
             raise self._refusal(reason) from None
         except DAMAGE as reason:
-            mcap.report(chunk.place, chunk.end, f"a {topic.kind}: {_one_line(reason)}")
+            found.mcap.report(found.chunk.place, found.chunk.end, f"a {found.message.topic.kind}: {_one_line(reason)}")
             return None
 
     def contents(self, file: Path) -> Iterator[tuple[McapReader, Chunk | Metadata]]:
@@ -145,9 +208,10 @@ class BagReader:
         """One file; everything that can be wrong with it raises RecordingError in one line."""
         try:
             with file.open("rb") as stream:
-                mcap = McapReader(stream, file.name, lambda damage: self._damaged(file, damage))
+                mcap = McapReader(stream, file.name, lambda damage: self._damaged(file, damage), self._known.get(file))
+                self._known[file] = mcap.known
                 if self.lost is None and mcap.index is None:
-                    raise _incomplete(file, "it has no index")
+                    raise _incomplete(file, "it was not closed" if mcap.size else "it is empty")
                 yield mcap
         except OSError as reason:
             raise RecordingError(
@@ -158,49 +222,84 @@ class BagReader:
 
     def report_missing(self) -> None:
         """Report missing files; without ``lost``, missing samples raise RecordingError."""
-        for damage in missing_files(self.path) if self.path.is_dir() else ():
+        for damage in self.folder.damages:
             if self.lost:
                 self.lost(damage)
-            elif damage.file.endswith(".mcap"):
-                raise RecordingError(f"{self.path}: {damage.file} is missing, which metadata.yaml names: put it back")
+            elif damage.file != METADATA:
+                raise RecordingError(f"{self.path}: {damage.file}, which metadata.yaml names: {damage.reason}")
 
     def _chunks(self, window: RunWindow, kinds: Sequence[str]) -> Iterator[tuple[McapReader, Chunk]]:
         """Chunks that may hold messages of some types in a window; those of all samples in the order of the files."""
-        places = None if window.whole and FORCES in kinds else self._places(kinds)
+        everything = window.whole and FORCES in kinds
+        places = None if everything else self._places(kinds)
         if places is None:
             for file in self.files:
-                for mcap, item in self.contents(file):
-                    if isinstance(item, Chunk):
-                        yield mcap, item
+                yield from self._all_chunks(file)
             return
-        first = 0
-        if not window.whole:
-            first = max(0, first_chunk(len(places), window, lambda number: self._first_sample(*places[number])) - 1)
-        for file, group in groupby(places[first:], key=lambda place: place[0]):
+        first = 0 if window.whole else self._first_place(places, window)
+        for file, group in groupby(places[first:], key=lambda place: place.file):
             with self.opened(file) as mcap:
-                for chunk in mcap.chunks_at(place for _, place in group):
+                for chunk in mcap.chunks_at(place.place for place in group):
                     yield mcap, chunk
 
-    def _places(self, kinds: Sequence[str]) -> list[tuple[Path, int]] | None:
-        """Files and places of the chunks that may hold messages of some types; None if a file has no index."""
-        found: list[tuple[Path, int]] = []
+    def _all_chunks(self, file: Path) -> Iterator[tuple[McapReader, Chunk]]:
+        """All chunks of a file, in the order of time if its topics are stored apart."""
+        with self.opened(file) as mcap:
+            layout = mcap.layout
+            if layout is None or layout.in_time is layout.parts:
+                for item in mcap.scan():
+                    if isinstance(item, Chunk):
+                        yield mcap, item
+                return
+            if not mcap.lists_all:  # in another order, messages may come before their definitions
+                deque(mcap.look_through(), maxlen=0)
+            for chunk in mcap.chunks_at(part.place for part in layout.in_time):
+                yield mcap, chunk
+
+    def _places(self, kinds: Sequence[str]) -> list[_Place] | None:
+        """Where messages of some types may be; None if a file does not say so."""
+        found: list[_Place] = []
         for file in self.files:
             with self.opened(file) as mcap:
-                if mcap.index is None:
+                if not mcap.lists_all:
                     return None
                 wanted = {topic.name for topic in mcap.topics if topic.kind in kinds}
-                found += [(file, span.place) for span in mcap.spans() if wanted & span.topics]
+                spans = (span for span in mcap.spans() if wanted & span.topics)
+                found += [_Place(file, span.place, span.first_ns, span.last_ns) for span in spans]
         return found
 
-    def _first_sample(self, file: Path, place: int) -> tuple[int, float] | None:
-        """Step and time of the first contact forces in a chunk."""
-        with BagReader(self.path, _ignore).opened(file) as mcap:
-            for chunk in mcap.chunks_at([place]):
+    def _first_place(self, places: Sequence[_Place], window: RunWindow) -> int:
+        """Number of the place to begin with: the search relies on one run in the order of time, or begins at 0."""
+        if self.disordered or not places:
+            return 0
+        start: int | None = None
+        alike = True
+
+        def sample(number: int) -> tuple[int, float] | None:
+            nonlocal start, alike
+            found = self._first_sample(places[number])
+            if found is None:
+                return None
+            step, time, begun = found
+            start = begun if start is None else start
+            alike = alike and abs(begun - start) <= SAME_START
+            return step, time
+
+        first = first_chunk(len(places), window, sample)
+        if not alike:
+            return 0
+        # Topics may be stored apart: everything from the time of that sample on is read.
+        return next(number for number, place in enumerate(places) if place.last_ns >= places[first].first_ns)
+
+    def _first_sample(self, place: _Place) -> tuple[int, float, int] | None:
+        """Step and time of the first contact forces in a chunk, and the time of step 0, ns."""
+        with BagReader(self.path, _ignore, self._known).opened(place.file) as mcap:
+            for chunk in mcap.chunks_at([place.place]):
                 for message in mcap.messages(chunk):
-                    topic = message.topic
-                    if topic.kind == FORCES:
-                        forces = decoder(FORCES, topic.encoding, topic.definition)(message.data)
-                        return int(forces.first_step), float(forces.time)
+                    if message.topic.kind == FORCES:
+                        found = Located(message, chunk, mcap)
+                        forces = self.quiet.decoded(found)
+                        return None if forces is None else self.quiet.made(found, partial(_beginning, forces))
         return None
 
     def _require_one(self, runs: Sequence[str]) -> None:
@@ -229,28 +328,17 @@ def beside(path: Path, ending: str) -> Path:
     For ``.``, it has the name of the current folder.
     """
     path = path if path.name not in ("", "..") else path.resolve()
-    return path.with_name(f"{path.name.removesuffix('.mcap')}{ending}")
-
-
-def _number(name: str) -> int:
-    """Number at the end of a file's name."""
-    found = re.search(r"(\d+)\.mcap$", name)
-    return int(found[1]) if found else 0
+    return path.with_name(f"{path.stem if is_mcap(path) else path.name}{ending}")
 
 
 def _one_line(reason: BaseException) -> str:
     """Message of an error of a library."""
-    return " ".join(str(reason).split()) or type(reason).__name__
+    text = " ".join(str(reason)[: 2 * LONGEST_REASON].split()) or type(reason).__name__
+    return text if len(text) <= LONGEST_REASON else f"{text[:LONGEST_REASON]} ..."
 
 
-def _look_for_topics(mcap: McapReader) -> None:
-    """Read the beginning of a file without index: topics are defined when their first message comes."""
-    forces = 0
-    for item in mcap.scan():
-        if isinstance(item, Chunk):
-            forces += sum(message.topic.kind == FORCES for message in mcap.messages(item))
-            if forces > 2:
-                return
+def _beginning(forces: Any) -> tuple[int, float, int]:
+    return int(forces.first_step), float(forces.time), start_of(forces)
 
 
 def _ignore(loss: Loss) -> None:

@@ -16,6 +16,7 @@ from ..samples.impacts import Impact
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN, TurnPeaks
 from .bag_file import BagFiles
+from .folder_files import is_mcap
 from .messages import Message, State, chunk_messages, impact_message, state_again, state_message
 from .run_info import METADATA_NAME, Input, RunInfo
 from .settings import RecordSettings
@@ -51,8 +52,11 @@ class Writer(ABC):
         """
 
     @abstractmethod
-    def close(self) -> None:
-        """Finish; closing again does nothing. Raises RecordingError if the disk refuses."""
+    def close(self, *, sync: bool = False) -> None:
+        """Finish, and with ``sync`` wait until all is on the disk; closing again does nothing.
+
+        Raises RecordingError if the disk refuses.
+        """
 
     @abstractmethod
     def remove_if_empty(self) -> None:
@@ -124,7 +128,7 @@ class BagWriter(Writer):
         self._info = info
         self._settings = settings or RecordSettings()
         self._splits = self._settings.splits
-        if self.path.suffix == ".mcap" and self._splits:
+        if is_mcap(self.path) and self._splits:
             raise InputError(f"{self.path} is a single file, which cannot be split: give a folder, without .mcap")
         self._topics: dict[str, Topic] = {}  # by the names of messages
         self._flushed_ns = self._end_ns = start_ns
@@ -190,14 +194,16 @@ class BagWriter(Writer):
     def sync(self) -> None:
         """Wait until everything at the operating system is on the disk; RecordingError if the disk refuses."""
         with self._disk():
-            self._file.sync()
+            self._files.sync()
 
-    def close(self) -> None:
-        """Finish the bag."""
+    def close(self, *, sync: bool = False) -> None:
+        """Finish the bag; with ``sync``, wait until it is on the disk."""
         if not self._open:
             return
         with self._disk():
             self._files.finish()
+            if sync:
+                self._files.sync()
         self._open = False
 
     def remove_if_empty(self) -> None:

@@ -44,6 +44,7 @@ class BufferedWriter:
         self._failure: RecordingError | None = None
         self._gap: tuple[int, int] | None = None  # first and last step that is lost
         self._synced = time.monotonic()
+        self._sync = False
 
     @property
     def waiting(self) -> int:
@@ -126,7 +127,7 @@ class BufferedWriter:
         return f"{self.path} misses steps {gap[0]} {to}: the disk is too slow, {self._size:g} bytes wait for it already"
 
     def _close(self) -> str:
-        self._writer.close()
+        self._writer.close(sync=self._sync)
         return str(self.path)
 
     def _close_and_remove(self) -> str:
@@ -137,6 +138,7 @@ class BufferedWriter:
 
     def _write(self, together: list[Message], sync: bool) -> None:
         self._writer.write_messages(together)
+        self._sync = sync
         if sync and time.monotonic() - self._synced > SYNC_PERIOD:
             self._writer.sync()
             self._synced = time.monotonic()

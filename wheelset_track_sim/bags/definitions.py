@@ -16,11 +16,15 @@ from typing import Any
 
 import numpy as np
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
+
+from .irregularities_text import irregularities_text
 
 PACKAGE = "wheelset_track_msgs"
 SEPARATOR = "=" * 80 + "\n"
+LARGEST = 1 << 17
+"""Bytes of a definition."""
 
 Decode = Callable[[bytes | memoryview], Any]
 Default = Callable[[Any], Any]
@@ -30,7 +34,10 @@ NONE: Default = lambda _: np.empty(0)  # noqa: E731
 DEFAULTS: Mapping[str, Mapping[str, Default]] = {
     "ContactForces": {"decimation": lambda _: 1},
     "AxleStress": {"decimation": lambda _: 1},
-    "SimulationState": {"speed_set_point": lambda state: state.speed},
+    "SimulationState": {
+        "speed_set_point": lambda state: state.speed,
+        "irregularities": lambda state: irregularities_text(state.scenario),
+    },
     "LoadSummary": {
         "turns": lambda _: 0,
         **dict.fromkeys(("wheel_1_turn_max_force", "wheel_2_turn_max_force"), UNKNOWN),
@@ -105,16 +112,36 @@ def deserialise(kind: str, data: bytes | memoryview) -> Any:
     return typestore().deserialize_cdr(data, full_name(kind))
 
 
+def stored_types(definition: bytes, name: str) -> dict[str, Any]:
+    """Fields by types of a stored definition; raises ValueError for a text that is none, or is too long."""
+    found = _stored_types(definition, name)
+    if isinstance(found, str):
+        raise ValueError(found)  # noqa: TRY004 - it says what is wrong with the text
+    return found
+
+
+@lru_cache(maxsize=64)
+def _stored_types(definition: bytes, name: str) -> dict[str, Any] | str:
+    """The same, or what is wrong: said once, for reading it again takes as long for every message."""
+    if len(definition) > LARGEST:
+        return f"its definition has {len(definition)} bytes, more than {LARGEST}"
+    try:
+        lines = [line for line in definition.decode().splitlines() if line.strip()]  # the parser is slow with others
+        return dict(get_types_from_msg("\n".join([*lines, ""]), name))
+    except (TypesysError, LookupError, ValueError, RuntimeError) as reason:
+        return " ".join(str(reason)[:500].split())
+
+
 @lru_cache(maxsize=64)
 def decoder(kind: str, encoding: str, definition: bytes) -> Decode:
     """Function from CDR of a stored ``definition`` to a message of this version with its fields as attributes.
 
-    Raises DefinitionError, or what rosbags raises for a text that is no definition.
+    Raises DefinitionError, or ValueError for a text that is no definition.
     """
-    name, text = full_name(kind), definition.decode()
-    if encoding != "ros2msg" or not text.strip():
+    name = full_name(kind)
+    if encoding != "ros2msg" or not definition.strip():
         return lambda data: deserialise(kind, data)
-    stored, ours = get_types_from_msg(text, name), typestore().fielddefs
+    stored, ours = stored_types(definition, name), typestore().fielddefs
     if all(stored.get(other) == tuple(ours[other]) for other in _within(name)):
         return lambda data: deserialise(kind, data)
     for other in _within(name):
@@ -122,6 +149,26 @@ def decoder(kind: str, encoding: str, definition: bytes) -> Decode:
     theirs = get_typestore(Stores.EMPTY)
     theirs.register(stored)
     return lambda data: _conformed(name, theirs.deserialize_cdr(data, name))
+
+
+def converter(kind: str, encoding: str, definition: bytes) -> Callable[[bytes], bytes]:
+    """Function from CDR of a stored ``definition`` to CDR of this version; errors as of ``decoder``.
+
+    The function raises rosbags' SerdeError for data that are not such a message.
+    """
+    decode = decoder(kind, encoding, definition)
+    return lambda data: serialise(kind, _fields_of(decode(data)))
+
+
+def _fields_of(message: Any) -> dict[str, Any]:
+    """Plain fields of a message, and of the messages within it."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, list):
+            return [plain(each) for each in value]
+        return _fields_of(value) if hasattr(value, "__dict__") else value
+
+    return {name: plain(value) for name, value in vars(message).items()}
 
 
 def _message(name: str, fields: Mapping[str, Any]) -> Any:

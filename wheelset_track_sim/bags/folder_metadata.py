@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import json
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..inputs.text_files import read_text
 from ..inputs.yaml12 import dump, parse
-from .losses import Damage
 from .topics import TYPE_HASH, Topic
 
 METADATA = "metadata.yaml"
 VERSION = 9
+LARGEST = 100_000_000
+"""Bytes of ``metadata.yaml`` that are read."""
+MOST_FILES, LONGEST_NAME = 100_000, 1000
 
 
 @dataclass(frozen=True)
@@ -80,22 +84,31 @@ def write_folder_metadata(folder: Path, parts: Sequence[BagPart], topics: Sequen
         temporary.unlink(missing_ok=True)
 
 
-def missing_files(folder: Path) -> list[Damage]:
-    """Files that ``metadata.yaml`` of a folder lists and that are not there; that file itself, too."""
-    text = folder / METADATA
-    if not text.exists():
-        return [Damage(METADATA, 0, 0, "it is missing")]
-    try:
-        names = [str(name) for name in _listed(text.read_text("utf-8"))["relative_file_paths"]]
-    except (OSError, InputError, ValueError, LookupError, TypeError):
-        return [Damage(METADATA, 0, 0, "it cannot be read")]
-    return [Damage(name, 0, 0, "it is missing") for name in names if not (folder / name).exists()]
+def listed_files(folder: Path) -> list[str]:
+    """Names of the files that ``metadata.yaml`` of a folder lists, in their order.
+
+    Raises InputError, which says what is wrong with it, if it does not list them.
+    """
+    listed = _listed(read_text(folder / METADATA, LARGEST))
+    if not isinstance(listed, list) or len(listed) > MOST_FILES:
+        raise InputError(f"relative_file_paths is not a list of up to {MOST_FILES} files")
+    for name in listed:
+        if not isinstance(name, str) or not Path(name).name:
+            raise InputError("relative_file_paths has an entry that is no file name")
+        if len(name) > LONGEST_NAME:
+            raise InputError(
+                f"relative_file_paths has a name of {len(name)} characters, and {LONGEST_NAME} are allowed"
+            )
+    return [Path(name).name for name in listed]  # the files of a bag are in its folder
 
 
 def _listed(text: str) -> Any:
-    """What ``metadata.yaml`` says; only its list of files if that is laid out as recorders do it, for YAML is slow."""
+    """The list of files in ``metadata.yaml``, cut out if that is laid out as recorders do it, for YAML is slow."""
     files = re.search(r"(?m)^ *relative_file_paths:(?:\n *- .*)+", text)
-    return parse(files[0].strip(), METADATA) if files else parse(text, METADATA)["rosbag2_bagfile_information"]
+    data = parse(textwrap.dedent(files[0]) if files else text, METADATA, trusted=False)
+    while isinstance(data, dict) and data:
+        data = data.get("rosbag2_bagfile_information", data.get("relative_file_paths"))
+    return data
 
 
 def _text(name: str) -> str:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+LONGEST_GAP = 10**8
+"""Steps that may be missing between two blocks of a run: an hour of it."""
+
 
 @dataclass(frozen=True)
 class Damage:
@@ -21,6 +24,12 @@ class Damage:
         """Another run, as after a reset: it begins before ``end_step``, the end of the first one."""
         words = f"steps from {step} on come again after step {end_step - 1}: all that follows is left out"
         return cls(file, 0, 0, words)
+
+    @classmethod
+    def far(cls, file: str, step: int, end_step: int) -> Damage:
+        """Samples so long after ``end_step`` that they are not of the run."""
+        words = f"step {step} comes after step {end_step - 1}: a gap of more than {LONGEST_GAP} steps ends the run"
+        return cls(file, 0, 0, f"{words}, and all that follows is left out")
 
     @property
     def what(self) -> str:

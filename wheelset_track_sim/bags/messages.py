@@ -18,6 +18,7 @@ from ..samples.summary import Summary, statistics, summarise
 from ..samples.turns import NO_TURN, TurnPeaks
 from ..wheelset.reduced import COMPONENTS
 from .definitions import serialise
+from .irregularities_text import irregularities_text, listed_irregularities
 from .tread_damage import FIELDS
 
 FRAME = "track"
@@ -72,7 +73,7 @@ class State:
     revision: int
     axle_load: float
     damage: tuple[Mapping[str, float], ...]
-    """Fields of ``TreadDamage``: wheel (1 or 2), kind, a, b, h, angle, y."""
+    """Breakouts alone, as fields of ``TreadDamage``: wheel (1 or 2), kind, a, b, h, angle, y."""
     scenario_name: str
     scenario: str
     """The scenario in force as YAML."""
@@ -82,6 +83,11 @@ class State:
     real_time_factor: float = math.nan
     lag: float = 0.0
     recording: str = ""
+
+    @property
+    def irregularities(self) -> tuple[Any, ...] | None:
+        """All irregularities in force, as plain mappings like those of a scenario file; None if unknown."""
+        return listed_irregularities(self.scenario)
 
 
 def stress_topic(node: str) -> str:
@@ -145,7 +151,8 @@ def impact_message(impact: Impact, start_ns: int) -> Message:
 def state_message(state: State, start_ns: int) -> Message:
     """Message of a state; ``start_ns`` is the time stamp of step 0, ns."""
     stamp_ns, chunk = _chunk(state, start_ns)
-    return Message("state", "SimulationState", stamp_ns, {**vars(state), **chunk})
+    fields = {**vars(state), **chunk, "irregularities": irregularities_text(state.scenario)}
+    return Message("state", "SimulationState", stamp_ns, fields)
 
 
 def state_again(state: Message, chunk: Message, note: str = "") -> Message | None:

@@ -22,7 +22,7 @@ class Recovered:
     chunks: int
     """Chunks that were saved."""
     chunks_lost: int
-    """Chunks that the indexes list and that were not saved; for a file without index, the unreadable stretches between
+    """Chunks of the files that were not saved; for a file without index, the unreadable stretches between
     chunks."""
     messages: int
     first_step: int
@@ -87,7 +87,7 @@ def recover(path: str | Path, out: str | Path | None = None) -> Recovered:
 def _copy(reader: BagReader, file: Path, copy: BagFiles, losses: list[Loss]) -> tuple[int, int]:
     """Copy the readable chunks of a file; returns their number, and the number of others as far as that is known."""
     with reader.opened(file) as mcap:
-        listed = None if mcap.index is None else len(mcap.index.chunks)
+        listed = len(mcap.layout.parts) if mcap.layout else None
     out = None if copy.folder else copy.current
     info: dict[str, dict[str, str]] = {}
     saved, before = 0, len(losses)
@@ -96,8 +96,8 @@ def _copy(reader: BagReader, file: Path, copy: BagFiles, losses: list[Loss]) -> 
         if isinstance(item, Metadata):
             info = {item.name: item.metadata} if reader.info_in(file, item) else info
             continue
-        read.add(item.place)
         messages = [*mcap.messages(item)]
+        read.add(item.place)
         if messages:
             out = out or copy.begin(0, info)
             for topic, sequence, time_ns, published_ns, data in messages:
@@ -105,7 +105,7 @@ def _copy(reader: BagReader, file: Path, copy: BagFiles, losses: list[Loss]) -> 
             out.flush()
             saved += 1
     if listed is not None:
-        return saved, listed - saved
+        return saved, max(0, listed - saved)
     damages = [loss for loss in losses[before:] if isinstance(loss, Damage) and loss.place not in read]
     return saved, sum(damage.place < damage.end < mcap.size for damage in damages)
 

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numba.core.registry import cpu_target
 from threadpoolctl import threadpool_info
@@ -31,6 +31,8 @@ NAMED = {"versions": "version.", "models": "model."}
 """Fields that are mappings, with the prefix of their names in the record."""
 MOST = 10_000
 """Changes that a file begins with at most, the latest."""
+LARGEST = 1 << 28
+"""Bytes of the changes of a file when they are read; fewer are written."""
 
 
 class Input(NamedTuple):
@@ -107,7 +109,10 @@ class RunInfo:
         """The same with a later input; the earliest are left out beyond ``MOST``."""
         if self.inputs and new.revision <= self.inputs[-1].revision:
             return self
-        return dataclasses.replace(self, inputs=(*self.inputs, new)[-MOST:])
+        inputs = (*self.inputs, new)[-MOST:]
+        while sum(len(each.scenario) for each in inputs) > LARGEST // 8:  # JSON takes up to six bytes a character
+            inputs = inputs[1:]
+        return dataclasses.replace(self, inputs=inputs)
 
     def to_metadata(self) -> dict[str, str]:
         """Record of text by name, as bags hold it."""
@@ -124,7 +129,7 @@ class RunInfo:
             return None
         try:
             return cls.from_metadata(record)
-        except (LookupError, ValueError) as reason:
+        except (LookupError, ValueError, OverflowError) as reason:
             raise ValueError(f"what it says about its run is lost: {reason}") from reason
 
     @classmethod
@@ -154,9 +159,18 @@ def encode_inputs(inputs: Iterable[Input]) -> str:
 def decode_inputs(text: str) -> tuple[Input, ...]:
     """Inputs from their text; raises ValueError if it is not one."""
     try:
-        return tuple(
-            Input(int(revision), int(step), str(scenario))
-            for revision, step, scenario in json.loads(zlib.decompress(base64.b64decode(text, validate=True)))
-        )
-    except (ValueError, TypeError, zlib.error) as reason:
+        unpacker = zlib.decompressobj()
+        found = unpacker.decompress(base64.b64decode(text, validate=True), LARGEST)
+        if not unpacker.eof:
+            raise ValueError(f"they have more than {LARGEST} bytes" if unpacker.unconsumed_tail else "they are cut off")  # noqa: TRY301
+        return tuple(_input(*each) for each in json.loads(found))
+    except (ValueError, TypeError, RecursionError, zlib.error) as reason:
         raise ValueError(f"inputs of the run cannot be read: {reason}") from reason
+
+
+def _input(revision: Any, step: Any, scenario: Any) -> Input:
+    if not (type(revision) is type(step) is int and type(scenario) is str):
+        raise ValueError("one is not of two whole numbers and a text")
+    if not (0 <= revision < 2**32 and 0 <= step < 2**64):
+        raise ValueError("one has a revision or a step that cannot be")
+    return Input(revision, step, scenario)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import InputError, RecordingError
 from .bag_writer import PREFIX, SECOND_NS, STATE, BagWriter, Writer, creating
+from .folder_files import is_mcap
 from .messages import Message
 from .run_info import Input, RunInfo
 from .settings import SNAPSHOT, RecordSettings
@@ -34,7 +35,7 @@ class SnapshotWriter(Writer):
 
         Raises InputError if it exists or cannot be written.
         """
-        self.path = Path(path).with_suffix("") if Path(path).suffix == ".mcap" else Path(path)
+        self.path = Path(path).with_suffix("") if is_mcap(Path(path)) else Path(path)
         self.start_ns = start_ns
         self._info, self._prefix, self._settings = info, prefix, settings
         self._kept: deque[Sequence[Message]] = deque()
@@ -92,8 +93,8 @@ class SnapshotWriter(Writer):
         if self._bag is not None:
             self._bag.sync()
 
-    def close(self) -> None:
-        """Finish the current snapshot, if there is one; RecordingError if the disk refuses."""
+    def close(self, *, sync: bool = False) -> None:
+        """Finish the current snapshot, if there is one, and wait for the disk; RecordingError if it refuses."""
         if self._bag is not None:
             self._finish()
 
@@ -141,7 +142,7 @@ class SnapshotWriter(Writer):
         bag, self._bag = self._bag, None
         if bag is not None:
             self._taken.append(bag)
-            bag.close()
+            bag.close(sync=True)  # it is seldom, and what it holds does not come again
 
 
 def writer_of(

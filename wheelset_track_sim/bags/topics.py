@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
 
 from rosbags.interfaces import Nodetype
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_typestore
 
 from ..errors import InputError
 from ..inputs.yaml12 import dump, parse
-from .definitions import full_name, schema, type_hash, typestore
+from .definitions import converter, full_name, schema, stored_types, type_hash, typestore
 
 PROFILES, TYPE_HASH = "offered_qos_profiles", "topic_type_hash"
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
@@ -20,10 +20,16 @@ LATCHED_TOPICS = {"state"}
 """Topics of the node whose last message a late subscriber receives (transient local)."""
 DEPTH = 50
 """Messages of a topic kept for a slow subscriber."""
+LARGEST_PROFILES = 100_000
+"""Characters of the qualities of a topic that are read."""
+DEEPEST = 10_000
+"""The same at most, whatever a bag says."""
 HEADER = (Nodetype.NAME, "std_msgs/msg/Header")
 LATCHED_KIND = "SimulationState"
 RELIABLE, TRANSIENT_LOCAL, KEEP_LAST = ("reliable", 1), ("transient_local", 1), ("keep_last", 1)
 """Words of rosbag2 since version 9 of its metadata, and its numbers before."""
+UNREADABLE = (TypesysError, LookupError, ValueError, RecursionError)
+"""Errors for definitions that are none."""
 OF_NODE = ("contact_forces", "axle_stress/", "summary", "impacts", "state")
 """Topics of the node, relative to its name; a slash at the end marks the beginning of several."""
 
@@ -64,7 +70,9 @@ class Topic:
     def depth(self) -> int:
         """Messages kept for a slow subscriber."""
         depth = self._offered.get("depth") if self._offered.get("history") in KEEP_LAST else None
-        return depth if isinstance(depth, int) and depth > 0 else 1 if self.latched else DEPTH
+        if type(depth) is int and depth > 0:
+            return min(depth, DEEPEST)
+        return 1 if self.latched else DEPTH
 
     @property
     def prefix(self) -> str | None:
@@ -81,9 +89,24 @@ class Topic:
         fields = self._recorded.get(self.type) or typestore().fielddefs.get(self.type) or ([], [])
         return bool(fields[1]) and fields[1][0][1] == HEADER
 
+    @cached_property
+    def conversion(self) -> Callable[[bytes], bytes] | None:
+        """From recorded bytes to those of this version's type; None if it is the same type, or another altogether."""
+        if not (self.kind and self._differs):
+            return None
+        try:
+            return converter(self.kind, self.encoding, self.definition)
+        except (ValueError, LookupError, TypesysError):
+            return None
+
     @property
     def outdated(self) -> bool:
-        """Whether its type has another definition here, so that its bytes would be misread."""
+        """Whether its type has another definition here, so that its bytes would be misread and cannot be converted."""
+        return self._differs and self.conversion is None
+
+    @cached_property
+    def _differs(self) -> bool:
+        """Whether its type has another definition here."""
         known = typestore()
         if self.type not in self._recorded or self.type not in known.fielddefs:
             return False
@@ -91,7 +114,7 @@ class Topic:
             store = get_typestore(Stores.EMPTY)
             store.register(self._recorded)
             return bool(store.hash_rihs01(self.type) != known.hash_rihs01(self.type))
-        except (TypesysError, LookupError):  # a definition whose parts are missing
+        except UNREADABLE:  # a definition whose parts are missing
             return False
 
     @property
@@ -105,8 +128,8 @@ class Topic:
         if self.encoding != "ros2msg":
             return {}
         try:
-            return dict(get_types_from_msg(self.definition.decode(errors="replace"), self.type))
-        except TypesysError:
+            return stored_types(self.definition, self.type)
+        except ValueError:
             return {}
 
 
@@ -138,7 +161,7 @@ def _profiles(*, latched: bool) -> list[dict[str, Any]]:
 @cache
 def _parsed_profiles(text: str) -> list[Any]:
     try:
-        found = parse(text, PROFILES) if text else []
+        found = parse(text, PROFILES, trusted=False) if len(text) < LARGEST_PROFILES else []
     except InputError:  # of another recorder
         return []
     return found if isinstance(found, list) else []

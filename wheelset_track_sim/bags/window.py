@@ -59,7 +59,11 @@ class RunWindow:
         """Whether some samples of a block are in it."""
         last = len(block) - 1
         ends = block.first_step + last * block.decimation, block.time + last * block.step_period
-        return not self.over(block.first_step, block.time) and not self.after(*ends)
+        return self.meets(block.first_step, block.time, *ends)
+
+    def meets(self, step: int, time: float, last_step: int, last_time: float) -> bool:
+        """Whether some samples are in it, from a step and its time to the last ones."""
+        return not self.over(step, time) and not self.after(last_step, last_time)
 
 
 EVERYTHING = RunWindow()

@@ -1,5 +1,16 @@
 """The command line: one module for each command."""
 
-from .command_line import main
+import sys
+from collections.abc import Sequence
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns the exit status. An interrupt while modules load is an orderly end of a node."""
+    try:
+        from .command_line import main as run
+    except KeyboardInterrupt:
+        return 0 if (sys.argv[1:] if arguments is None else [*arguments])[:1] in (["node"], ["replay"]) else 1
+    return run(arguments)
+
 
 __all__ = ["main"]

@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TypeAlias
 
-from ..errors import InputError, WheelsetTrackError
+from ..errors import InputError
 from ..inputs import shipped
 from ..runtime.memory import keep_freed_memory
+from ..runtime.output_files import require_folder
 from ..version import __version__
+from .ending import FAILED, complain, status_of
 from .warned import printed_warnings
 
 if TYPE_CHECKING:
@@ -20,6 +23,8 @@ if TYPE_CHECKING:
     from ..twin.measured import Matching, Reading
 
 PROGRAM = "wheelset-track-sim"
+NO_PARAMETERS = ("command", "ros_arguments", "warnings")
+"""Options of ``replay`` that are no parameters of its node."""
 OLD_RESIMULATE = "--simulate-again"
 """Option that made ``replay`` simulate a bag again."""
 
@@ -36,29 +41,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
-    try:
-        with printed_warnings(PROGRAM) as warnings:
-            given = _renamed(given)
-            if given[:1] == ["node"]:  # its arguments are those of every ROS node
-                return _node(given[1:])
-            own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
-            options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
-            command: Callable[[argparse.Namespace], int] = options.command
-            return command(options)
-    except InputError as refusal:
-        return _complain(refusal, 2)
-    except WheelsetTrackError as failure:
-        return _complain(failure, 1)
-    except KeyboardInterrupt:
-        # told to end before it had anything to close: for a node that is an orderly end
-        return 0 if given[:1] in (["node"], ["replay"]) else _complain("interrupted", 1)
+    # A node that is told to end before it has anything to close ends in order.
+    interrupted = 0 if given[:1] in (["node"], ["replay"]) else FAILED
+    return status_of(partial(_run_command, given), PROGRAM, interrupted)
+
+
+def _run_command(given: list[str]) -> int:
+    with printed_warnings(PROGRAM) as warnings:
+        given = _renamed(given)
+        if given[:1] == ["node"]:  # its arguments are those of every ROS node
+            return _node(given[1:])
+        own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
+        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
+        if getattr(options, "out", None) is not None:
+            require_folder(options.out)
+        command: Callable[[argparse.Namespace], int] = options.command
+        return command(options)
 
 
 def _renamed(given: list[str]) -> list[str]:
     """Arguments with the old name of a command replaced by the new one, which is reported."""
     if given[:1] != ["replay"] or OLD_RESIMULATE not in given:
         return given
-    _complain(f"replay {OLD_RESIMULATE} is the old name of resimulate: use {PROGRAM} resimulate BAG", 0)
+    complain(PROGRAM, f"replay {OLD_RESIMULATE} is the old name of resimulate: use {PROGRAM} resimulate BAG", 0)
     return ["resimulate", *(each for each in given[1:] if each != OLD_RESIMULATE)]
 
 
@@ -72,11 +77,6 @@ def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
         (of_ros if inside else ours).append(argument)
         inside = inside and argument != "--"
     return ours, of_ros
-
-
-def _complain(reason: object, status: int) -> int:
-    print(f"{PROGRAM}: {' '.join(str(reason).split())}", file=sys.stderr)  # noqa: T201
-    return status
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -178,6 +178,10 @@ def _takes_json(command: _Parser, instead_of: str = "a table") -> None:
     command.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
 
 
+def _may_overwrite(command: _Parser) -> None:
+    command.add_argument("--overwrite", action="store_true", help="replace files that exist already")
+
+
 def _add_run(commands: _Commands) -> None:
     run = _command(commands, "run", "simulate without ROS, as fast as possible")
     names = ", ".join(shipped.names("scenarios"))
@@ -243,13 +247,14 @@ def _add_show(commands: _Commands) -> None:
     show.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped one")
     _takes_changes(show)
     show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
+    _may_overwrite(show)
     show.set_defaults(command=_show)
 
 
 def _show(options: argparse.Namespace) -> int:
     from .show import show
 
-    return show(options.scenario, options.set, options.out)
+    return show(options.scenario, options.set, options.out, overwrite=options.overwrite)
 
 
 def _add_study(commands: _Commands) -> None:
@@ -284,6 +289,7 @@ def _add_report(commands: _Commands) -> None:
     report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
     _takes_place(report)
     _takes_measured(report)
+    _may_overwrite(report)
     report.set_defaults(command=_report)
 
 
@@ -292,7 +298,15 @@ def _report(options: argparse.Namespace) -> int:
     from .report import report
 
     settings = None if options.threshold is None else ImpactSettings(options.threshold)
-    return report(options.bag, options.out, settings, options.measured, _matching(options), _reading(options))
+    return report(
+        options.bag,
+        options.out,
+        settings,
+        options.measured,
+        _matching(options),
+        _reading(options),
+        overwrite=options.overwrite,
+    )
 
 
 def _add_replay(commands: _Commands) -> None:
@@ -318,7 +332,7 @@ def _add_replay(commands: _Commands) -> None:
 def _replay(options: argparse.Namespace) -> int:
     from .nodes import replay
 
-    parameters = {name: value for name, value in vars(options).items() if name not in ("command", "ros_arguments")}
+    parameters = {name: value for name, value in vars(options).items() if name not in NO_PARAMETERS}
     return replay(ros_arguments=options.ros_arguments, **parameters)
 
 
@@ -334,6 +348,9 @@ def _add_resimulate(commands: _Commands) -> None:
     _takes_bag(resimulate)
     _takes_changes(resimulate, "set a key throughout the run, such as wheel_1.damage.h=0.001 or track.spacing=0.65")
     resimulate.add_argument("--out", type=Path, metavar="BAG", help="record the new run: FILE.mcap, or a bag folder")
+    resimulate.add_argument(
+        "--most-steps", type=int, metavar="N", help="steps without samples to simulate, as before the bag (1e8)"
+    )
     _takes_json(resimulate)
     resimulate.set_defaults(command=_resimulate)
 
@@ -341,7 +358,7 @@ def _add_resimulate(commands: _Commands) -> None:
 def _resimulate(options: argparse.Namespace) -> int:
     from .resimulate import run_resimulate
 
-    return run_resimulate(options.bag, options.set, options.out, json=options.json)
+    return run_resimulate(options.bag, options.set, options.out, options.most_steps, json=options.json)
 
 
 def _add_recover(commands: _Commands) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,12 @@ from rich.table import Table
 
 from ..bags.losses import Gap
 from ..bags.overview import Overview, overview
+from ..errors import printable
 from ..scenario import WHEELS
 from .console import print_object, terminal
 
+WIDEST = 44
+"""Characters of a name in one line: more than half of a terminal of 80."""
 LONGEST = 60
 """Characters of a value that a table shows."""
 
@@ -29,6 +33,8 @@ def info(bag: Path, *, json: bool) -> int:
         console.print(table)
     for loss in found.losses:
         console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
+    for what in found.unchecked:
+        console.print(f"not checked: {what}", highlight=False, soft_wrap=True)
     return 0
 
 
@@ -78,13 +84,14 @@ def as_mapping(found: Overview) -> dict[str, Any]:
             for revision in found.revisions
         ],
         "gaps": [asdict(gap) for gap in found.gaps],
+        "not_checked": [*found.unchecked],
         "damage": [asdict(loss) for loss in found.losses if not isinstance(loss, Gap)],
     }
 
 
 def tables(found: Overview) -> list[Table]:
     """The same for people: the run, its revisions, its topics."""
-    run = Table("", "", title=f"{found.path.absolute().name}: {found.info.scenario_name}", show_header=False)
+    run = Table("", "", title=printable(f"{found.path.absolute().name}: {found.info.scenario_name}"), show_header=False)
     last = found.first_step + found.steps + sum(gap.steps for gap in found.gaps) - 1
     run.add_row("simulated time", f"{found.duration:.6g} s from {found.start:.6g} s on")
     run.add_row("steps", f"{found.steps}, from {found.first_step} to {last}" if found.steps else "none")
@@ -102,7 +109,11 @@ def tables(found: Overview) -> list[Table]:
     for software, version in found.info.versions.items():
         run.add_row(f"version of {software}", version)
 
-    changes = Table("revision", "step", "key", "before", "after", title="revisions")
+    changes = Table("revision", "step", title="revisions")
+    keys = [change.key for revision in found.revisions for change in revision.changed]
+    changes.add_column("key", no_wrap=_in_one_line(keys), overflow="fold")
+    changes.add_column("before", overflow="fold")
+    changes.add_column("after", overflow="fold")
     for revision in found.revisions:
         where = [str(revision.number), str(revision.step)]
         for key, *values in revision.changed or [("", None, None)]:
@@ -110,12 +121,17 @@ def tables(found: Overview) -> list[Table]:
             where = ["", ""]
 
     topics = Table(title="topics")
-    topics.add_column("topic", overflow="fold")
+    topics.add_column("topic", no_wrap=_in_one_line(found.topics), overflow="fold")
     topics.add_column("type", overflow="fold")
     topics.add_column("messages", justify="right")
     for topic, of in found.topics.items():
         topics.add_row(topic, of.type.replace("/msg/", "/"), str(of.messages))
     return [run, *([changes] if len(found.revisions) > 1 else []), topics]
+
+
+def _in_one_line(names: Iterable[str]) -> bool:
+    """Whether a column shows names in one line each; longer ones would leave no room and are folded, not cut."""
+    return max(map(len, names), default=0) <= WIDEST
 
 
 def _number(value: float) -> float | None:

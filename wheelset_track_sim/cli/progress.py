@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from ..errors import printable
 from .console import terminal
 
 
@@ -30,7 +31,7 @@ def shown() -> Iterator[Callable[[str, float], None]]:
 
         def bar(stage: str, fraction: float) -> None:
             if stage not in tasks:
-                tasks[stage] = bars.add_task(stage, total=1.0)
+                tasks[stage] = bars.add_task(printable(stage), total=1.0)
             bars.update(tasks[stage], completed=fraction)
 
         yield bar

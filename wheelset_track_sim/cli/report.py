@@ -8,6 +8,7 @@ from ..bags import Bag
 from ..bags.bag_reader import beside
 from ..errors import InputError
 from ..report import plot_run, summary_table, survey
+from ..runtime.output_files import require_new
 from ..samples.impacts import ImpactSettings
 from ..twin.measured import Matching, Reading, compare, read_measurement
 from .console import terminal
@@ -20,6 +21,8 @@ def report(
     measured: Path | None = None,
     matching: Matching | None = None,
     reading: Reading | None = None,
+    *,
+    overwrite: bool = False,
 ) -> int:
     """Write the page and the picture next to it, print the table; returns the exit status.
 
@@ -34,8 +37,10 @@ def report(
         if not (missing.name or "").startswith("bokeh"):
             raise
         raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
-    run = survey(bag, settings)
     page = out or beside(bag, ".html")
+    picture = page.with_suffix(".png")
+    require_new([page, picture], overwrite=overwrite)
+    run = survey(bag, settings)
     comparison = None
     if measured is not None:
         comparison = compare(Bag(bag).blocks(), read_measurement(measured, reading), matching)
@@ -43,7 +48,6 @@ def report(
     console.print(summary_table(run))
     for loss in run.losses:
         console.print(f"lost: {loss}", highlight=False, soft_wrap=True)
-    picture = page.with_suffix(".png")
     plot_run(run, picture)
     write_report(run, page, comparison)
     console.print(f"picture {picture}\npage    {page}", highlight=False, soft_wrap=True)

@@ -11,18 +11,21 @@ from rich.table import Table
 from ..scenario import WHEELS
 from ..twin import Resimulation, resimulate
 from ..twin.differences import Difference, SamplePlace
+from ..twin.resimulation import MOST_STEPS
 from .console import print_object, terminal
 from .progress import shown
 from .run import peaks
 
 
-def run_resimulate(bag: Path, settings: Sequence[str], out: Path | None, *, json: bool) -> int:
+def run_resimulate(
+    bag: Path, settings: Sequence[str], out: Path | None, most_steps: int | None = None, *, json: bool
+) -> int:
     """Simulate the run of a bag again and print how it compares; returns the exit status.
 
     It is 1 if the same software on the same processor gives other numbers with the same settings.
     """
     with shown() as progress:
-        found = resimulate(bag, settings, out, progress)
+        found = resimulate(bag, settings, out, progress, MOST_STEPS if most_steps is None else most_steps)
     if json:
         print_object(as_mapping(found))
     else:
@@ -40,6 +43,8 @@ def as_mapping(found: Resimulation) -> dict[str, Any]:
         "bag": str(found.path),
         "identical": found.identical,
         "samples": found.samples,
+        "compared_nodes": [*found.nodes],
+        "not_compared": [*found.left_out],
         "duration_s": found.duration,
         "revisions": len(found.inputs.changes) - 1,
         "unknown_revisions": [*found.unknown],
@@ -52,6 +57,7 @@ def as_mapping(found: Resimulation) -> dict[str, Any]:
         "moved_revisions": [
             {"revision": revision, "recorded_step": recorded, "step": step} for revision, recorded, step in found.moved
         ],
+        "digests_comparable": not found.digests_differ,
         "differs_here": {name: {"bag": bag, "here": here} for name, (bag, here) in found.origin.items()},
         "recorded": peaks(found.before),
         "simulated": peaks(found.after),
@@ -112,9 +118,13 @@ def verdict(found: Resimulation) -> list[str]:
         )
     if found.unknown:
         lines.append(f"The bag does not hold what came in revision {', '.join(map(str, found.unknown))}.")
-    lines += [f"Not compared: {loss}." for loss in found.lost]
+    lines += [f"Not compared: {what}." for what in (*found.left_out, *found.lost)]
     if found.identical:
-        lines.append("Bit-identical: every force and every stress is the same to the last bit.")
+        stresses = f"all stresses of {', '.join(found.nodes)}" if found.nodes else "no stresses"
+        lines.append(
+            f"Bit-identical: both contact forces and {stresses} are the same to the last bit in the {found.samples} "
+            f"steps that were compared ({found.duration:.4g} s)."
+        )
     for name, difference, scale, unit in (("force", found.force, 1e3, "kN"), ("stress", found.stress, 1e6, "MPa")):
         if difference is not None:
             at, first = difference.at, difference.first
@@ -134,4 +144,12 @@ def verdict(found: Resimulation) -> list[str]:
         )
     for name, (bag, here) in found.origin.items():
         lines.append(f"Not as recorded: {name} {here}, in the bag {bag}.")
+    if found.origin and found.identical:
+        lines.append("These differences change no bit of the numbers that were compared.")
+    if found.digests_differ:
+        equal = ", which the equal numbers show to be the same" if found.identical and not found.settings else ""
+        lines.append(
+            f"Recorded by version {found.digests_differ}, whose digests have another form: they do not tell whether "
+            f"wheelset and track are those of the bag{equal}."
+        )
     return lines

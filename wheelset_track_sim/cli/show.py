@@ -7,17 +7,20 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..report.pictures import show_scenario
+from ..runtime.output_files import file_name, require_new
 from ..scenario import load_scenario
 from .console import terminal
 from .progress import shown
 
 
-def show(name: str, changes: Sequence[str], out: Path | None) -> int:
+def show(name: str, changes: Sequence[str], out: Path | None, *, overwrite: bool) -> int:
     """Write the picture of a scenario; returns the exit status."""
     if out is not None and out.suffix.lower() != ".png":
         raise InputError(f"--out {out} is no picture: give a name that ends in .png")
     scenario = load_scenario(name, changes)
+    picture = out or Path(f"{file_name(scenario.name)}.png")
+    require_new([picture], overwrite=overwrite)
     with shown() as progress:
-        path = show_scenario(scenario, out or Path(f"{scenario.name}.png"), progress)
-    terminal().print(f"picture {path}", highlight=False, soft_wrap=True)
+        show_scenario(scenario, picture, progress)
+    terminal().print(f"picture {picture}", highlight=False, soft_wrap=True)
     return 0

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import threading
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import ContactError
 from ..runtime.arrays import Real
 from ..runtime.cache import cached
+from ..runtime.cores import cores
 from ..runtime.progress import Progress
 from .path_kernels import follow_path
 
@@ -81,7 +84,7 @@ class _Recent:
     """The latest curves of this process: where one of several defects changes, those of the others serve again."""
 
     def __init__(self, most: int) -> None:
-        self._most = most
+        self._most, self._lock = most, threading.Lock()
         self._curves: dict[bytes, Real] = {}
 
     def curve(self, separation: Real, influence: Real, element_area: float, *largest: float) -> Real:
@@ -89,13 +92,15 @@ class _Recent:
         for array in (separation, influence):
             contents.update(np.ascontiguousarray(array).tobytes())
         key = contents.digest()
-        found = self._curves.pop(key, None)
+        with self._lock:
+            found = self._curves.pop(key, None)
         if found is None:
             mirrored = bool((separation == separation[:, ::-1]).all())
             found = force_path(separation, mirrored, influence, element_area, *largest)
-        self._curves[key] = found  # at the end: the latest
-        while len(self._curves) > self._most:
-            self._curves.pop(next(iter(self._curves)), None)
+        with self._lock:
+            self._curves[key] = found  # at the end: the latest
+            while len(self._curves) > self._most:
+                self._curves.pop(next(iter(self._curves)))
         return found
 
 
@@ -131,12 +136,25 @@ def _tables(
     largest_pressure: float,
     progress: Progress | None,
 ) -> ForceTables:
-    curves = []
-    for number, gap in enumerate(gaps):
-        curves.append(_RECENT.curve(gap, influence, element_area, largest_force, largest_pressure))
-        if not np.isfinite(curves[-1]).all() or (np.diff(curves[-1], axis=0) <= 0.0).any():
-            raise ContactError(f"force table {number} of {len(gaps)} is not finite and rising")
-        if progress is not None:
-            progress("contact tables", (number + 1) / len(gaps))
+    curves: list[Real] = []
+    shared = influence, element_area, largest_force, largest_pressure
+    # Curves do not depend on each other, and kernels hold no lock: a changed defect is there in a fraction of the time.
+    with ThreadPoolExecutor(cores(), "force-tables") as pool:
+        found = [pool.submit(_RECENT.curve, gap, *shared) for gap in gaps]
+        try:
+            for number, curve in enumerate(found):
+                curves.append(_rising(curve.result(), f"{number} of {len(gaps)}"))
+                if progress is not None:
+                    progress("contact tables", (number + 1) / len(gaps))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
     first = np.cumsum([0, *(len(curve) for curve in curves)], dtype=np.int64)
     return ForceTables(first, np.concatenate(curves))
+
+
+def _rising(curve: Real, name: str) -> Real:
+    """The curve; ContactError if it is none."""
+    if not np.isfinite(curve).all() or (np.diff(curve, axis=0) <= 0.0).any():
+        raise ContactError(f"force table {name} is not finite and rising")
+    return curve

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..runtime.arrays import Complex, Real
 from ..runtime.one_core import on_one_core
-from ..track.balance import HalfModes, MovingTrack
+from ..track.balance import MovingModes, MovingTrack
 from ..wheelset.reduced import ReducedWheelset
 from .banks import aligned, banked, padded, unbanked, whole_registers
 from .causal_kernels import Causal
@@ -106,7 +106,7 @@ class CausalModel(RunningWheelset):
 
 
 @lru_cache(maxsize=16)
-def _halves(model: CausalModel, speed: float) -> tuple[HalfModes, HalfModes]:
+def _halves(model: CausalModel, speed: float) -> tuple[MovingModes, MovingModes]:
     return model.track.symmetric.modes(speed), model.track.antisymmetric.modes(speed)
 
 

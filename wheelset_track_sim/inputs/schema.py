@@ -52,7 +52,7 @@ class Quantity:
 
 
 def quantity(unit: str, low: float, high: float, meaning: str = "", *, default: Any = dataclasses.MISSING) -> Any:
-    """Field of a frozen dataclass that holds a number with unit and limits."""
+    """Field of a frozen dataclass that holds a number with unit and limits; with a ``default`` of None, or None."""
     field: Any = dataclasses.field
     return field(default=default, metadata={"quantity": Quantity(unit, low, high, meaning)})
 
@@ -83,11 +83,9 @@ def check(instance: Any, where: str = "") -> None:
     """Raise InputError naming the first number of a dataclass instance that is out of its limits."""
     prefix = f"{where}." if where else ""
     for field in dataclasses.fields(instance):
-        declared = field.metadata.get("quantity")
-        if declared is not None:
-            refusal = declared.refusal(prefix + field.name, getattr(instance, field.name))
-            if refusal:
-                raise InputError(refusal)
+        refusal = _refusal(field, prefix + field.name, getattr(instance, field.name))
+        if refusal:
+            raise InputError(refusal)
 
 
 def read(owner: type[T], data: Any, where: str) -> T:
@@ -106,8 +104,7 @@ def read(owner: type[T], data: Any, where: str) -> T:
     for name, field in fields.items():
         path = f"{where}.{name}".lstrip(".")
         if name in data:
-            declared = field.metadata.get("quantity")
-            refusal = declared.refusal(path, data[name]) if declared else None
+            refusal = _refusal(field, path, data[name])
             if refusal:
                 raise InputError(refusal)
             reader = field.metadata.get("reader")
@@ -120,6 +117,16 @@ def read(owner: type[T], data: Any, where: str) -> T:
         if str(refusal).startswith(where):
             raise
         raise InputError(f"{where}: {refusal}") from None
+
+
+def keyed(value: Any, where: str, what: str = "scenario keys") -> Mapping[str, Any]:
+    """``value`` as a mapping whose keys are text; raises InputError that says ``what`` they are."""
+    if not isinstance(value, Mapping):
+        raise InputError(f"{where} = {value!r} is not a mapping of {what}")
+    for key in value:
+        if not isinstance(key, str):
+            raise InputError(f"{where}: {key!r} is not a text, and {what} are")
+    return value
 
 
 def plain(value: Any) -> Any:
@@ -143,6 +150,13 @@ def unknown(what: str, where: str, name: str, known: Sequence[str]) -> str:
     near = difflib.get_close_matches(name, known, n=1)
     hint = f"did you mean {near[0]}? " if near else ""
     return f"{where} is not a known {what}: {hint}known are {', '.join(known) or 'none'}"
+
+
+def _refusal(field: dataclasses.Field[Any], where: str, value: Any) -> str | None:
+    declared: Quantity | None = field.metadata.get("quantity")
+    if declared is None or (value is None and field.default is None):
+        return None
+    return declared.refusal(where, value)
 
 
 PLAIN: dict[Any, str] = {
@@ -196,7 +210,7 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
     if isinstance(data, Mapping) and kinds:
         if "type" not in data:
             raise InputError(f"{where}.type is missing: known are {', '.join(kinds)}")
-        if data["type"] not in kinds:
+        if not isinstance(data["type"], str) or data["type"] not in kinds:
             raise InputError(unknown("type", f"{where}.type = {data['type']!r}", str(data["type"]), [*kinds]))
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
     members = [kind for kind in arguments if kind is not type(None)]

@@ -5,14 +5,14 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
 from .schema import unknown
-from .text_files import read_text
+from .text_files import LARGEST, opened, read_text
 from .yaml12 import parse
 
 if TYPE_CHECKING:
@@ -61,9 +61,13 @@ def _arrays(path: Path) -> dict[str, Any]:
     Arrays of numbers become text, a row a line: YAML holds that as quickly as it is read here.
     """
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in sorted(stored.files)}
-    except (OSError, ValueError, EOFError, BadZipFile) as reason:
+        with opened(path) as file, ZipFile(file) as packed:
+            unpacked = sum(part.file_size for part in packed.infolist())
+            if unpacked > LARGEST:
+                raise InputError(f"{path} unpacks to {unpacked} bytes: give at most {LARGEST}")
+            with np.load(file, allow_pickle=False) as stored:
+                arrays = {name: stored[name] for name in sorted(stored.files)}
+    except (ValueError, EOFError, BadZipFile) as reason:
         raise InputError(f"{path} cannot be read ({reason}): give a file of numpy.savez") from None
     content: dict[str, Any] = {}
     for name, array in arrays.items():

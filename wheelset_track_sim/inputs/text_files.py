@@ -20,7 +20,10 @@ LARGEST = 1_000_000_000
 
 @contextmanager
 def opened(source: Traversable | Path, largest: int = LARGEST) -> Iterator[IO[bytes]]:
-    """File to read; what goes wrong with it meanwhile becomes an InputError that names it."""
+    """Regular file to read; what goes wrong with it meanwhile becomes an InputError that names it."""
+    if isinstance(source, Path) and source.exists() and not source.is_file():
+        kind = "a folder" if source.is_dir() else "a device or a pipe"
+        raise InputError(f"{source} is {kind}: give a regular file")
     try:
         with source.open("rb") as file:
             size = file.seek(0, io.SEEK_END)

@@ -1,4 +1,7 @@
-"""Units that people write in the headings of tables and on the command line."""
+"""Units: those that people write in headings of tables and on the command line, and those that people read.
+
+Files for programs are in SI; text and figures for people have the units of the railway.
+"""
 
 from __future__ import annotations
 
@@ -56,6 +59,22 @@ ALIASES = {
 """Other spellings, in small letters with ``u`` for the Greek letter of micro."""
 
 
+class ShownUnit(NamedTuple):
+    """A unit that people read, with its size in SI."""
+
+    name: str
+    size: float = 1.0
+
+
+FOR_PEOPLE = {
+    "m/s": ShownUnit("km/h", 1 / 3.6),
+    **{si: ShownUnit(name, UNITS[name].size) for si, name in (("m", "mm"), ("N", "kN"), ("Pa", "MPa"), ("s", "ms"))},
+}
+"""What people read in the place of an SI unit; the others are read as they are."""
+ACCEPTED = {unit.name: (si, unit) for si, unit in FOR_PEOPLE.items()} | {"t": ("N", ShownUnit("t", 9810.0))}
+"""Units beside SI in which a study may give values, by name, with the SI unit."""
+
+
 def unit_named(text: str) -> str:
     """Name of the unit that ``text`` spells, as in ``UNITS``; empty if it spells none."""
     plain = text.strip().replace("\u00b5", "u").replace("\u03bc", "u")
@@ -85,3 +104,13 @@ def value_of(text: str, dimension: Dimension, what: str) -> float:
             f"{what} {text!r} is not a {dimension}: give a number with one of {', '.join(names_of(dimension))}"
         )
     return float(found[1]) * (UNITS[unit].size if unit else 1.0)
+
+
+def for_people(si: str) -> ShownUnit:
+    """The unit in which people read a quantity of the SI unit ``si``."""
+    return FOR_PEOPLE.get(si, ShownUnit(si))
+
+
+def with_unit(quantity: str, unit: str) -> str:
+    """A quantity with its unit, as over a column or along an axis."""
+    return f"{quantity} ({unit})" if unit else quantity

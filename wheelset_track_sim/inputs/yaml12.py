@@ -15,6 +15,11 @@ from ..errors import InputError
 
 DEEPEST = 20
 """Lists and mappings in one another, in a text that is not trusted."""
+DIGITS = 30
+LARGEST = 10**DIGITS
+"""Largest whole number."""
+MOST_VALUES = 2_000_000
+"""Values of a text."""
 
 
 def parse(text: str, where: str, *, trusted: bool = True) -> Any:
@@ -26,7 +31,9 @@ def parse(text: str, where: str, *, trusted: bool = True) -> Any:
     try:
         if not trusted:
             _check_events(YAML(typ="safe", pure=True).parse(text), where)
-        return YAML(typ="safe", pure=True).load(text)
+        found = YAML(typ="safe", pure=True).load(text)
+        _check_values(found, where)
+        return found
     except InputError:
         raise
     except RecursionError:
@@ -38,6 +45,22 @@ def parse(text: str, where: str, *, trusted: bool = True) -> Any:
         raise InputError(f"{where} is not YAML ({' '.join(str(reason).split())}): correct it there") from None
     except ValueError as reason:  # a date or number that looks like one and is none
         raise InputError(f"{where} is not YAML ({reason}): correct it there") from None
+
+
+def _check_values(value: Any, where: str) -> None:
+    """Refuse more values than a file can mean, as aliases make them, and whole numbers that no quantity can have."""
+    left, seen = [value], 0
+    while left:
+        item = left.pop()
+        seen += 1
+        if seen > MOST_VALUES:
+            raise InputError(f"{where} holds more than {MOST_VALUES} values: give a smaller one without aliases")
+        if isinstance(item, dict):
+            left += [*item, *item.values()]
+        elif isinstance(item, list):
+            left += item
+        elif isinstance(item, int) and abs(item) > LARGEST:
+            raise InputError(f"{where} has a whole number of {len(str(abs(item)))} digits: give up to {DIGITS}")
 
 
 def _check_events(events: Iterable[Any], where: str) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import InputError
 from ..inputs.schema import quantity
 from ..runtime.arrays import Real
-from .stretch import check_stretch, part_of, ramp, start
+from .stretch import check_stretch, length, part_of, ramp, start
 from .surface import RAILS, Patch, Surface, check_shape
 
 
@@ -30,8 +30,7 @@ class Corrugation:
     amplitude: float = quantity("m", 0.0, 0.002, "the amplitude, half of the waves' height")
     phase: float = quantity("rad", -2 * np.pi, 2 * np.pi, "the phase: 0 is a crest at the start", default=0.0)
     start: float = start()
-    length: float | None = None
-    """Of the stretch, m; None for all of the line."""
+    length: float | None = length()
     ramp: float = ramp()
 
     def __post_init__(self) -> None:

@@ -9,11 +9,9 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from ..errors import InputError
-from ..inputs.schema import Quantity, quantity
+from ..inputs.schema import quantity
 from ..runtime.arrays import Real
 from .surface import WHEELS, Patch, Surface, check_shape
-
-WORN = Quantity("m", 0.005, 0.5, "the length of the rounded flat")
 
 
 @dataclass(frozen=True)
@@ -30,23 +28,19 @@ class Flat:
 
     on: Literal["wheel_1", "wheel_2"]
     length: float = quantity("m", 0.005, 0.15, "length of the flat when it was fresh")
-    worn_length: float | None = None
-    """Length of the flat that has been rounded, m; None if it is fresh."""
+    worn_length: float | None = quantity("m", 0.005, 0.5, "the length of the rounded flat", default=None)
+    """None if it is fresh."""
     angle: float = quantity(
         "rad", -2 * np.pi, 2 * np.pi, "angle of the centre, in the order in which the tread meets the rail", default=0.0
     )
 
     def __post_init__(self) -> None:
         check_shape(self, WHEELS)
-        if self.worn_length is not None:
-            refusal = WORN.refusal("worn_length", self.worn_length)
-            if refusal:
-                raise InputError(refusal)
-            if self.worn_length < self.length:
-                raise InputError(
-                    f"worn_length = {self.worn_length:g} m is less than the fresh length of {self.length:g} m: "
-                    f"give at least that"
-                )
+        if self.worn_length is not None and self.worn_length < self.length:
+            raise InputError(
+                f"worn_length = {self.worn_length:g} m is less than the fresh length of {self.length:g} m: "
+                f"give at least that"
+            )
 
     def depth(self, radius: float) -> float:
         """Of the middle, m, on a wheel of ``radius``, m."""

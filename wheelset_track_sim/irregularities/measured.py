@@ -19,7 +19,7 @@ from ..runtime.arrays import Real
 from .samples import ACROSS, ALONG, HEIGHT, Samples, samples_of, taken
 from .stretch import part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
-from .turns import Drift, Turns, one_turn
+from .turns import REMEDY, Drift, Turns, one_turn, seam_step, without_drift
 
 GAP = 2.5
 """Distances between neighbouring samples above this many times the median are gaps."""
@@ -39,8 +39,9 @@ class Profile:
     one of heights or one for each position across (``samples.taken``).
     A tread is taken once around, by angle or by length, which is then scaled to the circumference, and has its mean
     taken off. A rail begins at ``start``, has the straight line through it taken off, and rises and falls over
-    ``ramp``; with ``repeat`` it repeats all along. Waves shorter than two steps are filtered out first, so that they do
-    not appear as longer ones.
+    ``ramp``. With ``repeat`` it repeats all along: its next beginning is one sample spacing after its last sample, and
+    the period is scaled to the nearest whole number of steps. Waves shorter than two steps are filtered out first, so
+    that they do not appear as longer ones.
     """
 
     type: ClassVar[str] = "profile"
@@ -66,7 +67,8 @@ class Profile:
     turns: Turns = "refuse"
     """What becomes of several turns of a wheel: ``first`` takes one, ``average`` the mean of the whole ones."""
     drift: Drift = "keep"
-    """``remove`` takes off what a sensor drifted over the turn of a wheel, so that the end meets the beginning."""
+    """``remove`` takes off what a sensor drifted over the turn of a wheel, or over a rail that repeats, so that the end
+    meets the beginning."""
 
     def __post_init__(self) -> None:
         check_shape(self, (*WHEELS, *RAILS))
@@ -87,8 +89,10 @@ class Profile:
             raise InputError(f"start and repeat are of rails: leave them out for {self.on}, and give angle")
         if self.on in RAILS and self.angle:
             raise InputError(f"angle is of wheels: leave it out for {self.on}, and give start")
-        if self.on in RAILS and (self.turns != "refuse" or self.drift != "keep"):
-            raise InputError(f"turns and drift are of wheels: leave them out for {self.on}")
+        if self.on in RAILS and self.turns != "refuse":
+            raise InputError(f"turns are of wheels: leave them out for {self.on}")
+        if self.on in RAILS and self.drift != "keep" and not self.repeat:
+            raise InputError(f"drift is of wheels, and of rails with repeat: leave it out for {self.on}")
         _ = self.samples
 
     @cached_property
@@ -110,7 +114,18 @@ class Profile:
         if across is not None:
             order = np.argsort(across)
             across, values = across[order] * UNITS[self.across].size, values[:, order]
-        return _whole(Samples(along, values, across), around, self.gaps, self.file)
+        found = _whole(Samples(along, values, across), around, self.gaps, self.file)
+        return self._closed(found) if self.repeat else found
+
+    def _closed(self, samples: Samples) -> Samples:
+        """Samples of a rail that repeats, without drift if told; InputError if their end misses their beginning."""
+        period = _period(samples.along)
+        if self.drift == "remove":
+            samples = samples._replace(values=without_drift(samples.along, samples.values, period))
+        step = seam_step(samples.along, samples.values, period)
+        if step:
+            raise InputError(f"{self.file} repeats with a step of {step} from its end to its beginning: {REMEDY}")
+        return samples
 
     @property
     def end(self) -> float:
@@ -122,17 +137,11 @@ class Profile:
         if surface.name in WHEELS:
             yield Patch(surface.at_angle(self.angle), self._across(self._around(surface), y))
             return
-        heights = self._along(surface.dx)
         first = surface.at(self.start)
         if self.repeat:
-            if surface.steps % len(heights):
-                length = len(heights) * surface.dx
-                raise InputError(
-                    f"{self.file} repeats after {length:g} m, the line after {surface.length:g} m: "
-                    f"give a line_length of {math.ceil(surface.steps / len(heights)) * length:.12g} m"
-                )
-            heights = np.tile(heights - heights.mean(), (surface.steps // len(heights), 1))
+            heights = self._repeated(surface)
         else:
+            heights = self._along(surface.dx)
             length = (len(heights) - 1) * surface.dx
             if 2 * self.ramp > length * (1 + 1e-9):
                 raise InputError(
@@ -150,25 +159,33 @@ class Profile:
         """
         along, values = self.samples.along, self.samples.values
         if self.along in ACROSS:
-            if abs(self._turn / surface.length - 1) > CLOSING:
+            length = _period(along)
+            if abs(length / surface.length - 1) > CLOSING:
                 raise InputError(
-                    f"{self.file} is {self._turn:.4g} m long, and a turn of {surface.name} {surface.length:.4g} m: "
+                    f"{self.file} is {length:.4g} m long, and a turn of {surface.name} {surface.length:.4g} m: "
                     f"give one whole turn, within {CLOSING:.0%}, or positions as angles"
                 )
-            turn = along * (2 * math.pi / self._turn)
+            turn = along * (2 * math.pi / length)
         else:
             turn = along
-        steps, count = surface.steps, len(turn)
-        even = turn[0] + 2 * math.pi / count * np.arange(count)
-        if np.abs(turn - even).max() > 1e-4 * 2 * math.pi / count:
-            count = max(steps, min(math.ceil(2 * math.pi / np.diff(turn).min()), FINEST * steps))
-            even = turn[0] + 2 * math.pi / count * np.arange(count)
-            around = [turn[-3:] - 2 * math.pi, turn, turn[:3] + 2 * math.pi]
-            ends = np.concatenate([values[-3:], values, values[:3]])
-            values = scipy.interpolate.PchipInterpolator(np.concatenate(around), ends)(even)
-        spectrum = np.fft.rfft(values - values.mean(), axis=0)[: (min(count, steps) + 1) // 2]
-        turned = np.exp(-1j * np.arange(len(spectrum)) * turn[0])[:, None]
-        return np.fft.irfft(spectrum * turned, steps, axis=0) * (steps / count)
+        return _waves(turn, values, surface.steps)
+
+    def _repeated(self, surface: Surface) -> Real:
+        """Heights all along a rail, (steps, columns), that repeat after the samples and one spacing more.
+
+        Raises InputError for a line that is no whole number of such periods.
+        """
+        along, values = self.samples.along, self.samples.values
+        period = _period(along)
+        steps = max(1, round(period / surface.dx))
+        if surface.steps % steps:
+            length = steps * surface.dx
+            raise InputError(
+                f"{self.file} repeats after {length:g} m, the line after {surface.length:g} m: "
+                f"give a line_length of {math.ceil(surface.steps / steps) * length:.12g} m"
+            )
+        heights = _waves((along - along[0]) * (2 * math.pi / period), values, steps)
+        return np.tile(heights, (surface.steps // steps, 1))
 
     def _along(self, dx: float) -> Real:
         """Heights at steps of a rail, (steps, columns)."""
@@ -186,11 +203,25 @@ class Profile:
         share = [np.interp(y, self.samples.across, one) for one in np.eye(len(self.samples.across))]
         return heights @ np.array(share)
 
-    @property
-    def _turn(self) -> float:
-        """Length of the samples once around, m."""
-        along = self.samples.along
-        return float(np.ptp(along) + np.median(np.diff(along)))
+
+def _period(along: Real) -> float:
+    """Length after which samples that rise over it begin again: their extent and one spacing."""
+    return float(np.ptp(along) + np.median(np.diff(along)))
+
+
+def _waves(turn: Real, values: Real, steps: int) -> Real:
+    """Heights (steps, columns) of a period from samples at phases ``turn`` (n,), rad: the waves that steps can hold."""
+    count = len(turn)
+    even = turn[0] + 2 * math.pi / count * np.arange(count)
+    if np.abs(turn - even).max() > 1e-4 * 2 * math.pi / count:
+        count = max(steps, min(math.ceil(2 * math.pi / np.diff(turn).min()), FINEST * steps))
+        even = turn[0] + 2 * math.pi / count * np.arange(count)
+        around = [turn[-3:] - 2 * math.pi, turn, turn[:3] + 2 * math.pi]
+        ends = np.concatenate([values[-3:], values, values[:3]])
+        values = scipy.interpolate.PchipInterpolator(np.concatenate(around), ends)(even)
+    spectrum = np.fft.rfft(values - values.mean(), axis=0)[: (min(count, steps) + 1) // 2]
+    turned = np.exp(-1j * np.arange(len(spectrum)) * turn[0])[:, None]
+    return np.fft.irfft(spectrum * turned, steps, axis=0) * (steps / count)
 
 
 def _whole(samples: Samples, around: float, gaps: str, file: str) -> Samples:

@@ -9,12 +9,12 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError, warn
+from ..errors import InputError, doubt, warn
 from ..inputs import shipped
 from ..inputs.schema import Quantity, quantity
 from ..inputs.tables import read_table
 from ..runtime.arrays import Real
-from .stretch import check_stretch, part_of, ramp, start
+from .stretch import check_stretch, length, part_of, ramp, start
 from .surface import RAILS, WHEELS, Patch, Surface, check_shape
 
 LIMIT_WAVELENGTHS = (0.4, 0.0315, 0.00315)
@@ -55,8 +55,7 @@ class Roughness:
     spectrum: tuple[tuple[float, float], ...] = ()
     """Wavelengths, m, and levels of their third octaves, dB re 1 um."""
     start: float = start()
-    length: float | None = None
-    """Of the stretch of a rail, m; None for all of it."""
+    length: float | None = length()
     ramp: float = ramp()
     file: str = ""
     """File of the spectrum; read if ``spectrum`` is empty, so that a scenario and its bag need no other file."""
@@ -116,7 +115,8 @@ class Roughness:
             units = (("cm", 1e-2), ("mm", 1e-3))
             alike = [name for name, size in units if _covered(size * wavelength, self.shortest, self.longest) > COVERED]
             hint = f"give wavelengths in m, if these are in {alike[0]}, or" if alike else "give"
-            raise InputError(f"{words}: {hint} a spectrum over the band, or a band within it")
+            doubt(f"{words}: {hint} a spectrum over the band, or a band within it")
+            return
         missing = [
             f"{low:g} to {high:g} m"
             for low, high in ((self.shortest, wavelength[0]), (wavelength[-1], self.longest))

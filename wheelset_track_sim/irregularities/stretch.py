@@ -12,7 +12,6 @@ from ..inputs.schema import Quantity, quantity
 from ..runtime.arrays import Real
 from .surface import Surface
 
-LENGTH = Quantity("m", 0.01, 1e4, "the length of the stretch")
 START = Quantity("m", 0.0, 1e5, "the position where the stretch begins")
 RAMP = Quantity("m", 0.0, 100.0, "the length over which it rises and falls at the ends")
 
@@ -20,6 +19,11 @@ RAMP = Quantity("m", 0.0, 100.0, "the length over which it rises and falls at th
 def start() -> Any:
     """Field for the position where a stretch begins."""
     return quantity(START.unit, START.low, START.high, START.meaning, default=0.0)
+
+
+def length() -> Any:
+    """Field for the length of a stretch; None is all of the line."""
+    return quantity("m", 0.01, 1e4, "the length of the stretch", default=None)
 
 
 def ramp() -> Any:
@@ -36,9 +40,6 @@ def check_stretch(start: float, length: float | None, ramp: float) -> None:
                 "the line"
             )
         return
-    refusal = LENGTH.refusal("length", length)
-    if refusal:
-        raise InputError(refusal)
     if 2 * ramp > length:
         raise InputError(f"ramp = {ramp:g} m at both ends is more than length = {length:g} m: give {length / 2:g} m")
 

@@ -22,6 +22,7 @@ SMALLEST = 3e-6
 """Step at the seam below which it does not matter, m."""
 ENDS = 4
 """Samples on both sides of the seam that straight lines are laid through."""
+REMEDY = "give drift: remove"
 
 
 def one_turn(
@@ -61,12 +62,14 @@ def one_turn(
         along, values = _of_several(along, values, around, step, average=turns == "average")
     elif span > around - step / 2:  # the end is the beginning again
         if drift == "remove":
-            values = _without_drift(along, values, around)
+            values = without_drift(along, values, around)
         along, values = along[:-1], values[:-1]
         drift = "keep"
     if drift == "remove":
-        values = _without_drift(along, values, around)
-    _check_seam(along, values, around, file)
+        values = without_drift(along, values, around)
+    step_there = seam_step(along, values, around)
+    if step_there:
+        warn(f"{file} steps by {step_there} from the end of the turn to its beginning: {REMEDY} if the sensor drifted")
     return along, values
 
 
@@ -101,8 +104,8 @@ def _of_several(along: Real, values: Real, around: float, step: float, *, averag
     return places, np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
 
 
-def _without_drift(along: Real, values: Real, around: float) -> Real:
-    """Heights less a straight line over the turn, so that lines through both ends meet at the seam."""
+def without_drift(along: Real, values: Real, around: float) -> Real:
+    """Heights less a straight line over the turn ``around``, so that lines through both ends meet at the seam."""
     result = values.copy()
     seam = 0.5 * (along[0] + around + along[-1])
     for column in result.T:
@@ -115,19 +118,19 @@ def _without_drift(along: Real, values: Real, around: float) -> Real:
     return result
 
 
-def _check_seam(along: Real, values: Real, around: float, file: str) -> None:
-    """Warn of a step from the end of the turn to its beginning that is out of line with the other steps."""
+def seam_step(along: Real, values: Real, around: float) -> str:
+    """Step from the end of a turn to its beginning that is out of line with the other steps, in words; empty if none.
+
+    ``along`` (n,) rises over less than the turn ``around``, ``values`` are (n, columns), m.
+    """
     for column in values.T:
         known = np.isfinite(column)
         place, height = along[known], column[known]
         if len(height) < 2 * ENDS or not np.median(np.diff(place)) > 0.0:
-            return
+            return ""
         usual = float(np.quantile(np.abs(np.diff(height)), MOST))
         gap = max(1.0, (place[0] + around - place[-1]) / float(np.median(np.diff(place))))
         jump = abs(float(height[0] - height[-1]))
         if jump > max(SEAM * usual * gap, SMALLEST):
-            warn(
-                f"{file} steps by {1e6 * jump:.3g} um from the end of the turn to its beginning, and nine of ten other "
-                f"steps are below {1e6 * usual:.3g} um: give drift: remove if the sensor drifted"
-            )
-            return
+            return f"{1e6 * jump:.3g} um (nine of ten other steps are below {1e6 * usual:.3g} um)"
+    return ""

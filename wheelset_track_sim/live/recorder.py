@@ -22,6 +22,8 @@ from .run_messages import run_info
 
 LONGEST_NAME = 200
 """Bytes of a name that comes over ROS."""
+LONGEST_OF_FILE = 255
+"""Bytes of a name that file systems take."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ class Recorder:
         """A bag for the next run, beside that of the first: the first free one of ``PATH_2``, ``PATH_3``, ..."""
         first = self._first
         tried = (first.with_name(f"{first.stem}_{number}{first.suffix}") for number in count(2))
-        self._beside = next(path for path in tried if not path.exists())
+        self._beside = next(path for path in tried if not _exists(path))
         return self._beside
 
     def path_now(self, folder: str) -> Path:
@@ -148,12 +150,22 @@ class Recorder:
             raise InputError(f"{bag.path} is being recorded: stop it first")
 
 
-def path_below(folder: str, name: str) -> Path:
-    """The path ``name`` below ``folder``; InputError for a name that is too long or leads out of it, also by a link."""
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # such as a name that is too long: creating it says so
+        return False
+
+
+def path_below(folder: str, name: str, longest: int = LONGEST_NAME) -> Path:
+    """The path ``name`` below ``folder``; InputError for a name that leads out of it, also by a link, or is too long.
+
+    ``longest`` is in bytes.
+    """
     shown = repr(name if len(name) < 50 else name[:50] + "...")
     size = len(name.encode(errors="surrogatepass"))
-    if size > LONGEST_NAME:
-        raise InputError(f"name = {shown} has {size} bytes: give at most {LONGEST_NAME}")
+    if size > longest:
+        raise InputError(f"name = {shown} has {size} bytes: give at most {longest}")
     if not name.isprintable():
         raise InputError(f"name = {shown} holds characters that cannot be printed: give letters, digits and such")
     base = Path(folder).expanduser().resolve()

@@ -185,7 +185,9 @@ def run_info(simulator: Simulator) -> RunInfo:
 
 def model_digests(simulator: Simulator) -> dict[str, str]:
     """Digests of the models, as their files describe them."""
-    return {"wheelset": digest(simulator.models.wheelset), "track": digest(simulator.models.track)}
+    models = simulator.models
+    above = {"vehicle": digest(models.vehicle)} if models.vehicle else {}
+    return {"wheelset": digest(models.wheelset), "track": digest(models.track), **above}
 
 
 def state(simulator: Simulator) -> State:

@@ -19,8 +19,8 @@ class Limits:
     """
 
     force_error: float = quantity("N", 1e3, 5e6, "the contact force that is an alarm", default=350e3)
-    stress_warn: float = quantity("Pa", 1e5, 2e9, "the principal stress that is a warning", default=166e6)
-    stress_error: float = quantity("Pa", 1e5, 2e9, "the principal stress that is an alarm", default=200e6)
+    stress_warn: float = quantity("Pa", 1e5, 2e9, "the bending amplitude that is a warning", default=166e6)
+    stress_error: float = quantity("Pa", 1e5, 2e9, "the bending amplitude that is an alarm", default=200e6)
     lag_warn: float = quantity("s", 0.0, 3600.0, "the time behind the schedule that is a warning", default=0.2)
     lag_error: float = quantity("s", 0.0, 3600.0, "the time behind the schedule that is an alarm", default=2.0)
     pace_warn: float = quantity(

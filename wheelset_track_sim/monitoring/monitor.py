@@ -8,15 +8,21 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..live.run_messages import Events
 from ..live.stream import Timing
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
+from ..samples.rotating_bending import RotatingBending
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN
 from ..scenario import WHEELS
+from ..wheelset.reduced import COMPONENTS
 from .limits import Limits
 from .status import (
     Level,
+    NodeFigures,
     PaceFigures,
     Status,
     WheelFigures,
@@ -28,6 +34,8 @@ from .status import (
     wheel_status,
 )
 
+AXIAL = COMPONENTS.index("yy")
+"""Stress along the axle, which bends: its component."""
 SPAN = 0.5
 """Elapsed time that a real time factor is of at least, s: of one chunk, which may be late, it says nothing."""
 
@@ -39,6 +47,7 @@ class _Window:
     forces: list[float]
     losses: list[float]
     stresses: list[float]
+    amplitudes: list[float]
     lag: float = 0.0
     empty: bool = True
 
@@ -58,15 +67,26 @@ class Monitor:
     """
 
     def __init__(
-        self, nodes: Sequence[str], threshold: float, limits: Limits, clock: Callable[[], float] = time.monotonic
+        self,
+        nodes: Sequence[str],
+        threshold: float,
+        limits: Limits,
+        steps_per_revolution: int,
+        constant_stress: Real,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """For stress ``nodes``; ``threshold`` is the force that makes an impact, N."""
+        """For stress ``nodes``, with what press fits and the like add there at all times, (nodes, 6), Pa.
+
+        ``threshold`` is the force that makes an impact, N.
+        """
         self.limits, self.threshold = limits, threshold
         """May change while the run goes on."""
         self._wanted = 0.0
         self._factor = math.nan  # of the last whole stretch
         self._stretch = _Stretch()
         self._nodes = tuple(nodes)
+        self._means = np.ascontiguousarray(constant_stress[:, AXIAL])
+        self._bending = RotatingBending(steps_per_revolution, len(self._nodes))
         self._clock = clock
         self._lock = threading.Lock()
         self._turn = NO_TURN
@@ -100,6 +120,9 @@ class Monitor:
                 window.losses[wheel] += load.contact_loss
             for number, node in enumerate(summary.nodes):
                 window.stresses[number] = max(window.stresses[number], node.max_principal)
+            turns = self._bending.push(block.first_step, block.stresses[:, :, AXIAL] - self._means)
+            for amplitudes in (*turns, self._bending.amplitudes.begun):
+                window.amplitudes = [max(pair) for pair in zip(window.amplitudes, amplitudes, strict=True)]
             for impact in events.impacts:
                 self._impacts[impact.wheel] += 1
             window.lag, window.empty = max(window.lag, timing.lag), False
@@ -128,7 +151,13 @@ class Monitor:
             return self._stale(why)
 
     def _empty(self) -> _Window:
-        return _Window([-math.inf] * 2, [0.0] * 2, [-math.inf] * len(self._nodes))
+        nothing = [-math.inf] * len(self._nodes)
+        return _Window([-math.inf] * 2, [0.0] * 2, nothing, [0.0] * len(self._nodes))
+
+    def _amplitudes(self) -> list[float]:
+        """Amplitudes of the bending stress at the nodes, Pa."""
+        found: list[float] = np.fmax(self._window.amplitudes, self._bending.amplitudes.turn).tolist()
+        return found
 
     def _peaks(self) -> tuple[list[float], list[float]]:
         """Forces of the wheels, N, and stresses at the nodes, Pa."""
@@ -144,16 +173,15 @@ class Monitor:
 
     def _levels_now(self) -> list[Level]:
         """Levels of forces, stresses and lag; that of the real time factor is known when the period is over."""
-        forces, stresses = self._peaks()
+        forces, _ = self._peaks()
         return [
             *(wheel_level(force, self.threshold, self.limits) for force in forces),
-            *(stress_level(stress, self.limits) for stress in stresses),
+            *(stress_level(amplitude, self.limits) for amplitude in self._amplitudes()),
             lag_level(self._window.lag, self.limits),
         ]
 
     def _statuses(self) -> list[Status]:
         forces, stresses = self._peaks()
-        turn = self._turn.principal or (math.nan,) * len(self._nodes)
         wheels = [
             wheel_status(
                 name,
@@ -169,7 +197,11 @@ class Monitor:
             )
             for wheel, name in enumerate(WHEELS)
         ]
-        nodes = [stress_status(*of, self.limits) for of in zip(self._nodes, stresses, turn, strict=True)]
+        figures = zip(self._amplitudes(), self._bending.amplitudes.turn, map(float, self._means), stresses, strict=True)
+        nodes = [
+            stress_status(name, NodeFigures(*node), self.limits)
+            for name, node in zip(self._nodes, figures, strict=True)
+        ]
         return [*wheels, *nodes, pace_status(PaceFigures(self._factor, self._wanted, self._window.lag), self.limits)]
 
     def _stale(self, why: str) -> list[Status]:

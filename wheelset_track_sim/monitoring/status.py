@@ -50,6 +50,21 @@ class WheelFigures:
 
 
 @dataclass(frozen=True)
+class NodeFigures:
+    """What is known of a stress node."""
+
+    amplitude: float
+    """Largest amplitude of the bending stress of a point of the turning axle since the last report, and at least of the
+    last turn, Pa."""
+    turn_amplitude: float
+    """Of the last complete turn, Pa; NaN before the first."""
+    mean: float
+    """Axial stress of press fits and given stresses, which does not change as the axle turns, Pa."""
+    peak: float
+    """Largest principal stress since the last report, and at least of the last turn, Pa."""
+
+
+@dataclass(frozen=True)
 class PaceFigures:
     """How time is kept."""
 
@@ -66,9 +81,9 @@ def wheel_level(peak_force: float, threshold: float, limits: Limits) -> Level:
     return _level(peak_force, threshold, limits.force_error)
 
 
-def stress_level(peak: float, limits: Limits) -> Level:
-    """Level of the largest principal stress at a node."""
-    return _level(peak, limits.stress_warn, limits.stress_error)
+def stress_level(amplitude: float, limits: Limits) -> Level:
+    """Level of the amplitude of the bending stress at a node."""
+    return _level(amplitude, limits.stress_warn, limits.stress_error)
 
 
 def lag_level(lag: float, limits: Limits) -> Level:
@@ -107,20 +122,24 @@ def wheel_status(name: str, wheel: WheelFigures, limits: Limits) -> Status:
     )
 
 
-def stress_status(node: str, peak: float, turn_peak: float, limits: Limits) -> Status:
+def stress_status(name: str, node: NodeFigures, limits: Limits) -> Status:
     """Status of a stress node."""
-    level = stress_level(peak, limits)
-    told = f"peak {peak / 1e6:.1f} MPa"
+    level = stress_level(node.amplitude, limits)
+    told = f"bending amplitude {node.amplitude / 1e6:.1f} MPa"
+    if node.mean != 0.0:
+        told += f" about a mean of {node.mean / 1e6:.1f} MPa"
     if level != Level.OK:
         limit = limits.stress_error if level == Level.ERROR else limits.stress_warn
         told += f", above the limit of {limit / 1e6:.0f} MPa"
     return Status(
-        f"stress {node}",
+        f"stress {name}",
         level,
         told,
         _values(
-            max_principal_Pa=peak,
-            turn_max_principal_Pa=turn_peak,
+            bending_amplitude_Pa=node.amplitude,
+            turn_bending_amplitude_Pa=node.turn_amplitude,
+            mean_axial_Pa=node.mean,
+            max_principal_Pa=node.peak,
             warn_limit_Pa=limits.stress_warn,
             error_limit_Pa=limits.stress_error,
         ),

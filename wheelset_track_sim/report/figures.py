@@ -19,7 +19,7 @@ from ..runtime.arrays import Real
 from .files import write_whole
 from .samples import SampleSeries
 from .survey import Survey
-from .table import description
+from .table import description, title
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""
@@ -46,9 +46,9 @@ def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
     """Figure in the style of the reports, with its title and, in grey, the model and dynamics that made it."""
     with rc_context({**STYLE, "svg.hashsalt": title, "mathtext.default": "regular"}):
         figure = Figure(figsize=(WIDTH, height), dpi=DOTS, layout="constrained")
-        figure.suptitle(title, fontsize=12, x=0.01, ha="left")
+        figure.suptitle(title, fontsize=12, x=0.01, ha="left", parse_math=False)
         lines = "\n".join(textwrap.wrap(made_by, NOTE))
-        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET)
+        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET, parse_math=False)
         yield figure
 
 
@@ -65,8 +65,7 @@ def plot_run(run: Survey, path: Path) -> Path:
         if run.nodes:
             axes[0].set_xlabel("")
             draw_stresses(axes[1], run, part)
-        title = f"{run.info.scenario_name}: {description(run)}"
-        figure.suptitle(title, fontsize=11, x=0.01, ha="left", parse_math=False)
+        figure.suptitle(f"{title(run)}\n{description(run)}", fontsize=11, x=0.01, ha="left", parse_math=False)
         return write_png(figure, path)
 
 

@@ -18,7 +18,7 @@ from . import measured, plots, sections
 from .contact_map import ContactMap, contact_map
 from .files import STYLE, asset, write_whole
 from .survey import Survey
-from .table import description
+from .table import description, title
 
 SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'; img-src data:"
 """The browser itself sees to it that the page asks no one for anything."""
@@ -29,7 +29,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 
     Raises InputError if the path cannot be written.
     """
-    name = escape(run.info.scenario_name)
+    name = escape(title(run))
     library = "".join(
         f"<script>{text}</script>\n" for text in Resources(mode="inline", components=["bokeh"], log_level="warn").js_raw
     )
@@ -47,6 +47,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 <body>
 <h1>{name}</h1>
 <p>{escape(description(run))}</p>
+{sections.surfaces(run)}
 <noscript><p>The plots need JavaScript; the tables do not.</p></noscript>
 {"".join(_sections(run, comparison))}
 {library}<script>
@@ -54,7 +55,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 </body>
 </html>
 """
-    return write_whole(out, page.encode())
+    return write_whole(out, page.encode(errors="backslashreplace"))
 
 
 def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:

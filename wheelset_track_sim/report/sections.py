@@ -6,14 +6,16 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from html import escape
+from typing import Any
 
 from ..contact.hardness import flag
+from ..irregularities.description import description_of
 from ..samples.impacts import Impact
 from .contact_map import ContactMap
 from .files import PAPER
 from .spectrum import Spectrum
-from .survey import Survey
-from .table import headings, rows, source
+from .survey import InForce, Survey
+from .table import between, headings, rows, source
 
 VIEW = 0.010, 0.030
 """Time shown before and after an impact, s."""
@@ -148,9 +150,9 @@ def spectra(spectrum: Spectrum, plot: str) -> str:
 
 
 def what_ran(run: Survey) -> str:
-    """Scenario, damage by revision, versions."""
+    """What was in force by revision, scenario, versions."""
     info = run.info
-    facts = {"bag": run.path.name, "scenario": info.scenario_name, "digest": info.digest}
+    facts = {"bag": run.path.name, "scenario at the start": info.scenario_name, "digest": info.digest}
     if run.start_ns:
         start = datetime.fromtimestamp(run.start_ns / 1e9, tz=timezone.utc)
         facts["step 0"] = f"{start:%Y-%m-%d %H:%M:%S} UTC"
@@ -162,32 +164,52 @@ def what_ran(run: Survey) -> str:
     return f'<h2>What ran</h2>{_revisions(run)}<table class="facts"><tbody>{lines}</tbody></table>{scenario}'
 
 
+def surfaces(run: Survey) -> str:
+    """All irregularities in force, in one paragraph, or where to find them if they changed."""
+    lists = [held.irregularities for held in run.in_force]
+    if any(each != lists[0] for each in lists):
+        what = "changed during the run: the revisions under “What ran” list them."
+    else:
+        what = f"throughout the run: {_listed(lists[0])}"
+    return f'<p id="irregularities">Irregularities of treads and rails {what}</p>'
+
+
 def _revisions(run: Survey) -> str:
-    states = {state.revision: state for state in reversed(run.states)}
-    if not states:
-        return ""
-    head = "<th>revision</th><th>from</th><th>speed</th><th>axle load</th><th class='text'>tread damage</th>"
-    listed = sorted(states)[:MOST_STATES]
+    """Table of what was in force, revision by revision."""
+    head = (
+        "<th>revision</th><th>step</th><th>from</th><th>speed driven</th><th>set point</th><th>axle load</th>"
+        "<th class='text'>irregularities of treads and rails</th>"
+    )
+    listed = run.in_force[:MOST_STATES]
     lines = "".join(
-        f"<tr><td>{revision}</td><td>{state.time:.4f} s</td><td>{3.6 * state.speed_set_point:.4g} km/h</td>"
-        f"<td>{state.axle_load / 1e3:.4g} kN</td><td class='text'>{_damage(state.damage)}</td></tr>"
-        for revision in listed
-        for state in [states[revision]]
+        f"<tr><td>{held.revision}</td><td>{held.step}</td><td>{held.time:.4f} s</td>"
+        f"<td>{between(held.speeds, 1 / 3.6, 'km/h') if held.speeds else 'none'}</td>"
+        f"<td>{_known(3.6 * held.set_point, 'km/h')}</td><td>{_known(held.axle_load / 1e3, 'kN')}</td>"
+        f"<td class='text'>{_irregularities(held, before)}</td></tr>"
+        for before, held in zip([None, *listed], listed, strict=False)
     )
     more = (
-        f"<p class='quiet'>The first {MOST_STATES} of {len(states)} revisions.</p>" if len(states) > len(listed) else ""
+        f"<p class='quiet'>The first {MOST_STATES} of {len(run.in_force)} revisions; info lists all.</p>"
+        if len(run.in_force) > len(listed)
+        else ""
     )
     table = f'<table id="revisions"><thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table>'
     return f'<div class="list">{table}</div>{more}'
 
 
-def _damage(damage: Iterable[Mapping[str, float]]) -> str:
-    found = [
-        f"wheel {item['wheel']}: {2e3 * item['a']:.4g} × {2e3 * item['b']:.4g} mm, {1e3 * item['h']:.4g} mm deep, "
-        f"at {math.degrees(item['angle']):.4g}°" + (f", {1e3 * item['y']:+.4g} mm across" if item["y"] else "")
-        for item in damage
-    ]
-    return "<br>".join(found) or "none"
+def _irregularities(held: InForce, before: InForce | None) -> str:
+    same = before and before.irregularities and held.irregularities == before.irregularities
+    return f"as in revision {before.revision}" if before and same else _listed(held.irregularities)
+
+
+def _listed(irregularities: Iterable[Mapping[str, Any]] | None) -> str:
+    if irregularities is None:
+        return "unknown: the bag does not hold them"
+    return "<br>".join(escape(description_of(item)) for item in irregularities) or "none"
+
+
+def _known(value: float, unit: str) -> str:
+    return "unknown" if math.isnan(value) else f"{value:.4g} {unit}"
 
 
 def _around(time: float) -> tuple[float, float]:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..bags import Bag, Loss, RunInfo, State
-from ..errors import InputError
+from ..bags.irregularities_text import listed_irregularities
+from ..errors import InputError, recorded_input
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
@@ -46,6 +48,34 @@ class Peak:
     revision: int
 
 
+@dataclass(frozen=True)
+class InForce:
+    """What held from a step of the run on; NaN and None stand for what the bag does not say."""
+
+    revision: int
+    step: int
+    """First step."""
+    time: float
+    """Of that step, s."""
+    set_point: float
+    """Speed that is approached, m/s."""
+    speeds: tuple[float, float] | None
+    """Smallest and largest speed of the samples, m/s; None if there are none."""
+    axle_load: float
+    """N"""
+    irregularities: tuple[Mapping[str, Any], ...] | None
+    """All of treads and rails, as in a scenario file."""
+
+
+class _Driven(NamedTuple):
+    """Samples of a revision."""
+
+    step: int
+    time: float
+    slowest: float
+    fastest: float
+
+
 @dataclass(frozen=True, eq=False)
 class Survey:
     """A run in bounded size."""
@@ -71,6 +101,8 @@ class Survey:
     """Of all samples, m."""
     speeds: tuple[tuple[float, float], ...]
     """Speed, m/s, from a time on, s."""
+    in_force: tuple[InForce, ...]
+    """What was in force, revision by revision."""
     summary: Summary
     passage: LoadCasePassage | None
     peak: Peak
@@ -87,8 +119,14 @@ class Survey:
     @property
     def wheel_load(self) -> float:
         """Force of each wheel at rest, N; NaN if unknown, or if it changed during the run."""
-        loads = {state.axle_load for state in self.states} or {self.scenario.axle_load if self.scenario else math.nan}
-        return loads.pop() / 2 if len(loads) == 1 else math.nan
+        loads = self.axle_loads
+        return loads[0] / 2 if loads and loads[0] == loads[1] else math.nan
+
+    @property
+    def axle_loads(self) -> tuple[float, float] | None:
+        """Smallest and largest axle load, N; None if one is unknown."""
+        loads = [held.axle_load for held in self.in_force]
+        return (min(loads), max(loads)) if loads and not any(map(math.isnan, loads)) else None
 
     def scenario_in_force(self, revision: int) -> Scenario | None:
         """Scenario of a revision; None if the bag has none that this version can read."""
@@ -142,6 +180,7 @@ class _Collected:
         self._total: Summary | None = None
         self._peak: Peak | None = None
         self._speeds: list[tuple[float, float]] = []
+        self._driven: dict[int, _Driven] = {}
         self._steps, self._duration = 0, 0.0
         passage = published_passage(self._scenario, info.sleeper_spacing)
         self._passage = passage if passage and first.position <= passage[1] + ROUNDING else None
@@ -175,6 +214,10 @@ class _Collected:
             self._keep(self._detector.push(block, wheel_load))
         if not self._speeds or self._speeds[-1][1] != block.speed:
             self._speeds.append((block.time, block.speed))
+        new = _Driven(block.first_step, block.time, block.speed, block.speed)
+        start = self._driven.setdefault(block.revision, new)
+        slowest, fastest = min(start.slowest, block.speed), max(start.fastest, block.speed)
+        self._driven[block.revision] = start._replace(slowest=slowest, fastest=fastest)
         self._steps += len(block)
         self._duration += len(block) * block.step_period
         self._collect_passage(block, samples)
@@ -261,6 +304,7 @@ class _Collected:
             duration=self._duration,
             distance=self._steps * dx,
             speeds=tuple(self._speeds),
+            in_force=_in_force(self._driven, states, self._info),
             summary=self._total,
             passage=passage,
             peak=self._peak,
@@ -272,8 +316,33 @@ class _Collected:
         )
 
 
+def _in_force(driven: Mapping[int, _Driven], states: Iterable[State], info: RunInfo) -> tuple[InForce, ...]:
+    """Revisions of a run in their order; those of samples whose state is not recorded are as the bag's inputs say."""
+    told: dict[int, State] = {}
+    for state in states:
+        told.setdefault(state.revision, state)
+    revisions = sorted({*driven, *told})
+    texts = {found.revision: found.scenario for found in info.inputs} or {revisions[0]: info.scenario}
+    found = []
+    for revision in revisions:
+        samples = driven.get(revision)
+        speeds = (samples.slowest, samples.fastest) if samples else None
+        if revision in told:
+            now = told[revision]
+            numbers = now.first_step, now.time, now.speed_set_point, speeds, now.axle_load
+            found.append(InForce(revision, *numbers, now.irregularities))
+        else:
+            text = texts.get(revision, "")
+            scenario, start = _read(text), driven[revision]
+            set_point, load = (scenario.speed, scenario.axle_load) if scenario else (math.nan, math.nan)
+            numbers = start.step, start.time, set_point, speeds, load
+            found.append(InForce(revision, *numbers, listed_irregularities(text)))
+    return tuple(found)
+
+
 def _read(text: str) -> Scenario | None:
     try:
-        return scenario_from(parse(text, "scenario of the bag"))
+        with recorded_input():
+            return scenario_from(parse(text, "scenario of the bag", trusted=False))
     except InputError:
         return None

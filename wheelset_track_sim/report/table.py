@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rich.table import Table
 
+from ..errors import printable
 from ..samples.summary import Summary
 from .published import LoadCasePassage
 from .survey import Survey
@@ -64,14 +66,27 @@ def _figures(summary: Summary, wheel_load: float) -> dict[tuple[str, str], float
     return found
 
 
+def title(run: Survey) -> str:
+    """Bag, scenario at the start, and how often that was changed during the run."""
+    changes = len(run.in_force) - 1
+    changed = f", {changes} change{'s' if changes > 1 else ''} during the run" if changes > 0 else ""
+    return printable(f"{run.path.absolute().name}: {run.info.scenario_name}{changed}")
+
+
 def description(run: Survey) -> str:
-    """Speed, axle load and length of a run in one line."""
-    slow, fast = (3.6 * limit(speed for _, speed in run.speeds) for limit in (min, max))
-    speed = f"{fast:.4g} km/h" if math.isclose(slow, fast, rel_tol=1e-9) else f"{slow:.4g} to {fast:.4g} km/h"
-    load = (
-        f", axle load {run.scenario.axle_load / 9.81e3:.4g} t, {run.scenario.dynamics} dynamics" if run.scenario else ""
-    )
-    return f"{speed}{load}, {run.duration:.4g} s, {run.distance:.4g} m, {run.steps} steps"
+    """Speeds driven, axle loads and length of a run in one line."""
+    speed = between((speed for _, speed in run.speeds), 1 / 3.6, "km/h")
+    load = f", axle load {between(run.axle_loads, 9810.0, 't')}" if run.axle_loads else ""
+    dynamics = f", {run.scenario.dynamics} dynamics" if run.scenario else ""
+    return f"{speed}{load}{dynamics}, {run.duration:.4g} s, {run.distance:.4g} m, {run.steps} steps"
+
+
+def between(values: Iterable[float], size: float, unit: str) -> str:
+    """The range of values in SI in four digits of a ``unit`` of a ``size``, or the one value."""
+    found = [value / size for value in values]
+    low, high = min(found), max(found)
+    one = math.isclose(low, high, rel_tol=1e-9)
+    return f"{high:.4g} {unit}" if one else f"{low:.4g} to {high:.4g} {unit}"
 
 
 def headings(run: Survey) -> tuple[str, ...]:
@@ -89,7 +104,7 @@ def source(passage: LoadCasePassage) -> str:
 
 def summary_table(run: Survey) -> Table:
     """Table of a run for the terminal; the paper's figures stand beside it where the paper prints them."""
-    table = Table(title=f"{run.info.scenario_name}\n{description(run)}", title_justify="left", min_width=72)
+    table = Table(title=f"{title(run)}\n{description(run)}", title_justify="left", min_width=72)
     table.add_column("")
     for heading in headings(run):
         table.add_column(heading, justify="right")

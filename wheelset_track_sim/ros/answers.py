@@ -15,8 +15,11 @@ Answer = dict[str, Any]
 """Fields of a response."""
 
 
-def served(log: Any, answer: Callable[[Any], Answer], request: Any, response: Any) -> Any:
-    """``response``, which has ``success`` and ``message``, with an answer, or with the reason why there is none."""
+def served(log: Any, name: str, answer: Callable[[Any], Answer], request: Any, response: Any) -> Any:
+    """``response``, which has ``success`` and ``message``, with an answer, or with the reason why there is none.
+
+    A refusal is logged with the ``name`` of the service.
+    """
     try:
         fields = {"success": True, **answer(request)}
     except WheelsetTrackError as refusal:
@@ -24,8 +27,10 @@ def served(log: Any, answer: Callable[[Any], Answer], request: Any, response: An
     except Exception as failure:  # noqa: BLE001  the executor must live, and the client must not wait
         log.fatal(traceback.format_exc())
         fields = {"success": False, "message": f"it failed, see the node's log: {failure!r}"}
-    for name, value in fields.items():
-        setattr(response, name, value)
+    if not fields["success"]:
+        log.warning(f"{name} is refused: {fields['message']}")
+    for field, value in fields.items():
+        setattr(response, field, value)
     return response
 
 

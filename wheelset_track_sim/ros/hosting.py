@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import threading
 import traceback
@@ -30,10 +31,15 @@ class Ending(NamedTuple):
 
 Endings = SimpleQueue[Ending]
 
+NO_SECURITY = (
+    "ROS_SECURITY_ENABLE is set, but this build of Fast DDS has no security: use a system installation of ROS 2 "
+    "(docs/monitoring.md, Security), or unset it"
+)
+
 
 def own_arguments(arguments: Sequence[str]) -> list[str]:
     """``arguments`` without those of ROS; raises InputError if ROS cannot use its own."""
-    with _refusing():
+    with refusing():
         own: list[str] = rclpy.utilities.remove_ros_args(arguments)
     return own
 
@@ -44,7 +50,7 @@ def session(arguments: Sequence[str]) -> Iterator[Endings]:
 
     Raises InputError for arguments and names that ROS cannot use.
     """
-    with _refusing():
+    with refusing():
         rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
     endings: Endings = SimpleQueue()  # its put is safe in a signal handler
 
@@ -100,8 +106,22 @@ def _going_on() -> Iterator[None]:
 
 
 @contextmanager
-def _refusing() -> Iterator[None]:
+def refusing() -> Iterator[None]:
+    """Turn what ROS refuses while it starts, or while it makes a node, into an InputError of one line."""
     try:
         yield
     except (_rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError) as refusal:
-        raise InputError(f"arguments of ROS: {' '.join(str(refusal).split())}") from None
+        raise InputError(f"arguments of ROS: {_line(refusal)}") from None
+    except _rclpy.RCLError as refusal:
+        if "security libraries" in str(refusal):
+            raise InputError(NO_SECURITY) from None
+        if "logging" in str(refusal):
+            raise InputError(
+                f"ROS cannot write its log ({_line(refusal)}): set ROS_LOG_DIR or HOME to a folder that can be written"
+            ) from None
+        raise InputError(f"ROS does not start: {_line(refusal)}") from None
+
+
+def _line(refusal: Exception) -> str:
+    """Text of an error of ROS without the place in its source."""
+    return re.sub(r", at /\S+:\d+", "", " ".join(str(refusal).split()))

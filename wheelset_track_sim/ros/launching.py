@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from importlib.resources import files
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from launch import LaunchContext, LaunchDescription
@@ -11,6 +13,9 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+
+from ..errors import InputError, WheelsetTrackError
+from ..inputs.schema import unknown
 
 PACKAGE = "wheelset_track_sim"
 Shown = Mapping[str, tuple[str, type, str]]
@@ -47,6 +52,9 @@ OF_REPLAY: Shown = {
 NODE, REPLAY = Program("node", PARAMETERS), Program("replay", OF_REPLAY)
 BOGIE = ("leading", "trailing")
 """Wheelsets of a bogie."""
+REJECTED = 2
+"""Exit status of a node that cannot use its input."""
+LEVELS = ("debug", "info", "warn", "error", "fatal")
 NAMESPACE = ("", "namespace of all nodes; empty: none")
 Value = Callable[[str], str]
 """Value of a launch argument by its name."""
@@ -71,14 +79,16 @@ def description(
         **own,
         "params_file": (str(shipped), "parameter file; what the other arguments give stands above it"),
         **{name: ("", f"{told}; empty: as in the parameter file") for name, (_, _, told) in program.arguments.items()},
-        "log_level": ("info", "least level of what is logged: debug, info, warn, error, fatal"),
+        "log_level": ("info", f"least level of what is logged: {', '.join(LEVELS)}"),
     }
 
     def nodes(context: LaunchContext) -> list[Node]:
         def value(argument: str) -> str:
             return str(LaunchConfiguration(argument).perform(context))
 
-        return [_node(program, namespace, name, value) for namespace, name in wheelsets(value)]
+        _check(program, value)
+        found = list(wheelsets(value))
+        return [_node(program, namespace, name, value, alone=len(found) == 1) for namespace, name in found]
 
     declared = [
         DeclareLaunchArgument(name, default_value=default, description=told)
@@ -87,7 +97,33 @@ def description(
     return LaunchDescription([*declared, OpaqueFunction(function=nodes)])
 
 
-def _node(program: Program, namespace: str, name: str, value: Value) -> Node:
+def _check(program: Program, value: Value) -> None:
+    """Raise InputError for the value of an argument that no node could use."""
+    if not Path(value("params_file")).is_file():
+        raise InputError(f"params_file = {value('params_file')} is not a file: give the path of a parameter file")
+    if value("log_level").lower() not in LEVELS:
+        raise InputError(unknown("log_level", value("log_level"), value("log_level"), LEVELS))
+    for argument, (_, kind, _) in program.arguments.items():
+        given = value(argument)
+        if given and kind is bool and given.lower() not in ("true", "false"):
+            raise InputError(f"{argument} = {given} is neither true nor false: give one of them")
+        if given and kind is float:
+            try:
+                float(given)
+            except ValueError:
+                raise InputError(f"{argument} = {given} is not a number: give one") from None
+
+
+def _ended(alone: bool, event: Any, context: LaunchContext) -> None:
+    """End the launch with an error if a process rejected its input, or failed while no other one goes on.
+
+    ``launch`` would end with status 0. A process that ends by a signal, such as Ctrl-C, has a negative status.
+    """
+    if event.returncode == REJECTED or (alone and event.returncode > 0):
+        raise WheelsetTrackError(f"{event.process_name} ended with status {event.returncode}: its last lines say why")
+
+
+def _node(program: Program, namespace: str, name: str, value: Value, *, alone: bool) -> Node:
     given: dict[str, Any] = {
         parameter: ParameterValue(LaunchConfiguration(argument), value_type=kind)
         for argument, (parameter, kind, _) in program.arguments.items()
@@ -101,4 +137,5 @@ def _node(program: Program, namespace: str, name: str, value: Value) -> Node:
         output="screen",
         parameters=[value("params_file"), *([given] if given else [])],
         ros_arguments=["--log-level", value("log_level")],
+        on_exit=partial(_ended, alone),
     )

@@ -59,7 +59,13 @@ class Monitoring:
             self._metrics = Metrics()
             self._endpoint = Endpoint(self._metrics, port, self._parameters["prometheus.address"])
         self._simulator = simulator
-        self._monitor = Monitor(simulator.scenario.output.stress_nodes, settings.impact.threshold, settings.limits)
+        self._monitor = Monitor(
+            simulator.scenario.output.stress_nodes,
+            settings.impact.threshold,
+            settings.limits,
+            simulator.steps_per_revolution,
+            simulator.constant_stress,
+        )
         self._monitor.wanted = real_time_factor
         self.pause("configured, not active")
 

@@ -18,9 +18,12 @@ from rclpy.parameter import Parameter
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
-from ..live.recorder import Recorder
+from ..live.recorder import LONGEST_OF_FILE, Recorder, path_below
 from ..live.revisions import Revisions
 from ..monitoring.status import recording_status
+from ..scenario import Scenario
+from ..scenario.values import values_of
+from ..simulation.changes import Revision
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .answers import answer_always
@@ -152,7 +155,23 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             result = super().set_parameters_atomically(parameter_list)
             if result.successful:
                 result.reason = self._accepted
+            else:
+                self.get_logger().warning(f"parameters are refused: {result.reason}")
             return result
+
+    def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
+        """Log a change that was accepted, by what means it came; what to know about it, empty if nothing changed.
+
+        ``before`` is the scenario before it.
+        """
+        if self.revisions.scenario == before:
+            self.get_logger().debug(f"{by}: nothing changes")  # a slider that stands still says so all the time
+            return ""
+        told = "in force when the run begins"
+        if self.run is not None:
+            told = f"revision {revision.number} from step {revision.step}"
+        self.get_logger().info(f"{by}: {told}")
+        return told if self.run is not None else ""
 
     def pause(self) -> str:
         """Deactivate; what to know about it. Raises InputError if there is nothing to pause."""
@@ -251,7 +270,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         bag = None
         if self.parameters["record.on_start"]:
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
-            bag = Path(folder).expanduser() / name if name else self.recorder.path_now(folder)
+            bag = path_below(folder, name, LONGEST_OF_FILE) if name else self.recorder.path_now(folder)
         try:
             self._outputs.create(simulator.scenario.output.stress_nodes)
             LifecycleNodeMixin.on_configure(self, previous)
@@ -354,9 +373,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
         except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
             return SetParametersResult(successful=False, reason=str(refusal))
-        if self.run is not None and self.revisions.scenario != before:
-            self._accepted = f"revision {revision.number} from step {revision.step}"
-            self.get_logger().info(self._accepted)
+        if changes.keys() & values_of(before):
+            self._accepted = self.tell_change("parameters", before, revision)
         if changes.get("use_sim_time", self._time.following) != self._time.following:
             self._earliest_ns = 0  # stamps of another time
         self._outputs.decimation = self.parameters.decimation(changes)

@@ -11,7 +11,7 @@ from rclpy.executors import MultiThreadedExecutor
 
 from ..errors import InputError
 from ..simulation.fleet import ModelPool
-from .hosting import Ending, Endings, next_ending, own_arguments, session, spinning
+from .hosting import Ending, Endings, next_ending, own_arguments, refusing, session, spinning
 from .names import fleet_names
 from .node import NAME, SimulationNode
 
@@ -35,7 +35,8 @@ def _run(names: Sequence[str], endings: Endings) -> Exception | None:
     nodes: list[SimulationNode] = []
     with ExitStack() as stack:
         for number, name in enumerate(names):
-            node = SimulationNode(partial(_put, endings, number), name, models)
+            with refusing():
+                node = SimulationNode(partial(_put, endings, number), name, models)
             stack.callback(node.destroy_node)
             nodes.append(node)
         called = [node.get_fully_qualified_name() for node in nodes]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import ExitStack
 from importlib import import_module
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Any
 
@@ -17,19 +19,20 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from ..bags.bag_writer import PREFIX
 from ..bags.playback.recorded_bag import Played, RecordedBag
 from ..bags.playback.selection import Selection
-from ..bags.playback.stamps import Restamping, stamp_of, with_stamp
+from ..bags.playback.stamps import Restamping, stamp_of, stampable, with_stamp
 from ..bags.topics import Topic
-from ..errors import InputError, WheelsetTrackError
+from ..errors import InputError, RecordingError, WheelsetTrackError
 from ..live.player import Player
 from .acknowledged import wait_for_subscribers
 from .answers import answer_always
 from .clock import TOPIC as CLOCK
 from .clock import NodeClock
-from .hosting import Ending, next_ending, own_arguments, session, spinning
+from .hosting import Ending, next_ending, own_arguments, refusing, session, spinning
 from .replay_parameters import ReplayParameters
 from .replay_services import ReplayServices
 
@@ -125,7 +128,7 @@ class ReplayNode(Node):  # type: ignore[misc]
         )
         name = self.parameters.renamed(topic, self._bag.topics.values())
         try:
-            return self.create_publisher(_message_type(topic.type), name, quality)
+            return self.create_publisher(message_type(topic.type), name, quality)
         except InvalidTopicNameException as refusal:
             raise InputError(f"prefix = {self.parameters['prefix']}: {' '.join(str(refusal).split())}") from None
 
@@ -149,7 +152,7 @@ class ReplayNode(Node):  # type: ignore[misc]
             self._restamping.restart()
         for message in self.selection.held_at(begin_ns):
             cdr = message.cdr
-            if self._restamping is not None and self._topics[message.topic].stamped:
+            if self._restamping is not None and self._topics[message.topic].stamped and stampable(cdr):
                 cdr = with_stamp(cdr, self._origin_ns + played_ns)
             self._outlets[message.topic].publish(cdr)
 
@@ -159,10 +162,10 @@ class ReplayNode(Node):  # type: ignore[misc]
         cdr, due_ns = message.cdr, message.time_ns
         if self._restamping is not None:
             due_ns = self._origin_ns + played_ns
-            if topic.stamped:
+            if topic.stamped and stampable(cdr):
                 cdr = self._restamping.apply("" if topic.kind else topic.name, cdr, due_ns)
         if self.parameters["publish_clock"] and self.selection.leading in (None, message.topic):
-            span = self.selection.span_ns(message)
+            span = self.selection.span_ns(message) if stampable(cdr) else 0
             self._time.tell(max(due_ns, stamp_of(cdr) + span) if span else due_ns)
         self._outlets[message.topic].publish(cdr)
         self._report_damages()
@@ -207,7 +210,8 @@ def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
     if own:
         raise InputError(f"{own[0]} is not an argument of the replay: see wheelset-track-sim replay --help")
     with session(arguments) as endings, ExitStack() as stack:
-        node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
+        with refusing():
+            node = ReplayNode(lambda failure: endings.put(Ending(0, failure)), given)
         stack.callback(node.destroy_node)
         executor = SingleThreadedExecutor()
         stack.callback(executor.shutdown)
@@ -220,6 +224,8 @@ def main(arguments: Sequence[str], given: Mapping[str, Any]) -> int:
                     time.sleep(ANSWER_TIME)
             finally:
                 node.close()
+    if failure is not None and not isinstance(failure, WheelsetTrackError):
+        raise RecordingError(f"{given.get('bag', 'the bag')} cannot be played further: {failure!r}") from failure
     if failure is not None:
         raise failure
     return 0
@@ -230,13 +236,24 @@ def _hindrance(topic: Topic) -> str:
     if topic.outdated:
         return f"{topic.type} has been changed since it was recorded"
     try:
-        _message_type(topic.type)
-    except (ImportError, AttributeError, ValueError):
+        message_type(topic.type)
+    except (ImportError, AttributeError):
         return f"{topic.type} is not installed"
+    try:
+        validate_full_topic_name(topic.name)
+    except InvalidTopicNameException as reason:
+        return " ".join(str(reason).split())
     return ""
 
 
-def _message_type(kind: str) -> Any:
-    """Class of a message by the full name of its type."""
-    package, _, name = kind.partition("/msg/")
-    return getattr(import_module(f"{package}.msg"), name)
+def message_type(kind: str) -> Any:
+    """Class of a message by the full name of its type; raises ImportError if it is not installed.
+
+    A bag names any type it likes, so nothing is imported but packages that rosidl has generated.
+    """
+    found = re.fullmatch(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)", kind)
+    spec = PathFinder.find_spec(found[1]) if found else None
+    folders = (spec and spec.submodule_search_locations) or ()
+    if not found or not any(True for each in folders for _ in Path(each).glob(f"{found[1]}_s__rosidl_typesupport_*")):
+        raise ImportError(f"{kind} is not a message of an installed package")
+    return getattr(import_module(f"{found[1]}.msg"), found[2])

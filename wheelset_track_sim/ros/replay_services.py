@@ -49,7 +49,7 @@ class ReplayServices:
         self._serve_as_rosbag2(interfaces)
 
     def _serve(self, name: str, answer: Callable[[Any], Answer]) -> None:
-        callback = partial(served, self._log, answer)
+        callback = partial(served, self._log, name, answer)
         self._node.create_service(Trigger, f"~/{name}", callback, callback_group=self._group)
 
     def _serve_as_rosbag2(self, interfaces: Any) -> None:

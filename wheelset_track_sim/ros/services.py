@@ -18,6 +18,7 @@ from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSp
 from ..errors import InputError, WheelsetTrackError
 from ..live.recorder import Recorder, path_below
 from ..live.revisions import Revisions
+from ..scenario import Scenario
 from ..simulation.changes import Revision
 from .answers import Answer, served
 from .conversions import header
@@ -40,6 +41,10 @@ class Controlled(Protocol):
 
     def needed_run(self) -> NodeRun:
         """The run; raises InputError if there is none."""
+        ...
+
+    def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
+        """Log a change that was accepted."""
         ...
 
     def pause(self) -> str:
@@ -92,7 +97,7 @@ class Services:
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
             (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
         ):
-            answered = partial(served, log, answer)
+            answered = partial(served, log, name, answer)
             node.create_service(kind, f"~/{name}", answered, qos_profile=REQUESTS, callback_group=group)
         for message, name, take in (
             (Float64, "speed", lambda message: node.revisions.speed(message.data)),
@@ -107,28 +112,34 @@ class Services:
 
     def _taken(self, topic: str, take: Callable[[Any], Revision], message: Any) -> None:
         try:
-            take(message)
-        except WheelsetTrackError as refusal:
-            self._node.get_logger().warning(f"{topic} is refused: {refusal}")
+            answer = self._changed(topic, lambda: take(message))
         except Exception:  # noqa: BLE001  the executor must live
             self._node.get_logger().fatal(traceback.format_exc())
+            return
+        if not answer.get("success", True):
+            self._node.get_logger().warning(f"{topic} is refused: {answer['message']}")
 
     def _set_tread_damage(self, request: Any) -> Answer:
-        return self._changed(lambda: self._node.revisions.damage(request.damage))
+        return self._changed("set_tread_damage", lambda: self._node.revisions.damage(request.damage))
 
     def _set_irregularities(self, request: Any) -> Answer:
-        return self._changed(lambda: self._irregularities(request.irregularities))
+        return self._changed("set_irregularities", lambda: self._irregularities(request.irregularities))
 
     def _irregularities(self, text: str) -> Revision:
         return self._node.revisions.irregularities(text, self._node.parameters["profiles.directory"])
 
     def _set_speed(self, request: Any) -> Answer:
-        return self._changed(lambda: self._node.revisions.speed(request.speed, request.acceleration))
+        return self._changed("set_speed", lambda: self._node.revisions.speed(request.speed, request.acceleration))
 
-    def _changed(self, change: Callable[[], Revision]) -> Answer:
-        """Revision and step of a change; if it is rejected, those of the newest one with the reason."""
+    def _changed(self, by: str, change: Callable[[], Revision]) -> Answer:
+        """Revision and step of a change, which is logged; if it is rejected, those of the newest one with the reason.
+
+        ``by`` is the topic or service through which it comes.
+        """
+        before = self._node.revisions.scenario
         try:
             revision, answer = change(), {}
+            self._node.tell_change(by, before, revision)
         except WheelsetTrackError as refusal:
             revision, answer = self._node.revisions.newest, {"success": False, "message": str(refusal)}
         return {**answer, "revision": revision.number, "step": revision.step}

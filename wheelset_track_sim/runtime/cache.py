@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
     Inputs = TypeVarTuple("Inputs")
 
+CONTENT = "digest of the content"
+"""Name in the file of a model; a file whose arrays have another digest is damaged, whatever they look like."""
 FORMAT = 1
 """Version of the form in which inputs are digested: bags hold such digests, too."""
 
@@ -87,7 +89,7 @@ def cached(
     if path.exists():
         try:
             with np.load(path, allow_pickle=False) as stored:
-                found = model.from_arrays(dict(stored))
+                found = model.from_arrays(_sound(dict(stored)))
             with suppress(OSError):  # a folder that may be read only
                 os.utime(path)
             return found
@@ -111,12 +113,20 @@ def store(path: Path, model: Storable) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
             temporary = Path(file.name)
-            np.savez(file, allow_pickle=False, **model.to_arrays())
+            arrays = {name: np.asarray(array) for name, array in model.to_arrays().items()}
+            np.savez(file, allow_pickle=False, **arrays, **{CONTENT: np.array(digest(arrays))})
         temporary.replace(path)
     except OSError as reason:
         log.warning("model is not cached: %s cannot be written (%s)", path, reason)
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+
+
+def _sound(stored: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    content = str(stored.pop(CONTENT, ""))
+    if digest(stored) != content:
+        raise ValueError("its content is not what was written")
+    return stored
 
 
 def _keep_latest(kind: str, most: float) -> None:

@@ -7,25 +7,34 @@ functions are in modules named ``*kernels.py``, which the digest covers.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import logging
 import os
+import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 import numba.experimental.function_type  # numba itself imports it too late for ``Address``
 import platformdirs
+from numba.core.caching import FunctionCache
+from numba.core.serialize import dumps
+
+from .cores import cores
 
 config: Any = numba.config
 typeof: Any = numba.typeof
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+APART = "WHEELSET_TRACK_SIM_COMPILES_APART"
+"""Set in the processes that compile kernels for others."""
 DONE = "compiled"
 """File in the folder of kernels; the kernels of a run are compiled if it exists."""
 
@@ -51,6 +60,24 @@ def cache_folder() -> Path:
     return folder
 
 
+@cache
+def trusted_folder() -> Path | None:
+    """``cache_folder``, made for its owner alone; None, with a warning, if others can write to it or own it.
+
+    Compiled kernels are machine code, and numba reads them with pickle: they are used as if they were part of the
+    package. A folder that cannot be made is left to numba, which names the reason.
+    """
+    folder = cache_folder()
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if hasattr(os, "geteuid"):
+            status = folder.stat()
+            if status.st_uid not in (os.geteuid(), 0) or status.st_mode & 0o022:
+                log.warning("compiled kernels in %s are not used, since others can write there: remove it", folder)
+                return None
+    return folder
+
+
 def mark_compiled() -> None:
     """Record that the kernels of a run are compiled."""
     (cache_folder() / DONE).touch()
@@ -63,12 +90,16 @@ def compiled_meanwhile(module: str) -> Iterator[None]:
     ``module`` compiles them when it is executed, and calls ``mark_compiled``. A thread would not do, for compiler and
     body both hold the interpreter lock. With one core, or if the process fails, kernels are compiled when called.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if cores < 2 or (cache_folder() / DONE).exists():
+    folder = trusted_folder()
+    if cores() < 2 or folder is None or (folder / DONE).exists():
         yield
         return
     process = subprocess.Popen(
-        [sys.executable, "-m", module], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, "-m", module],
+        env=os.environ | {APART: "1"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     try:
         yield
@@ -125,10 +156,74 @@ class Address:
         return self._signature
 
 
+class _KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """numba's cache of one kernel: what cannot be read, as after a power loss, or written, is reported and left.
+
+    A kernel is not compiled where it is missing but in a process of its own, and then loaded: it depends on what has
+    been compiled before which functions the compiler puts in place, and so does the last bit of a sum. This way the
+    first run has the same machine code as all later ones.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Compiled kernel for a signature; None if there is none, and none can be made apart."""
+        found = self._load(sig, target_context)
+        if found is None and _compiled_apart(self._py_func, sig):
+            found = self._load(sig, target_context)
+        return found
+
+    def _load(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception as damage:  # noqa: BLE001  any damage whatever ends in a compilation
+            log.warning("compiled kernel in %s cannot be read (%r): compiled again", self.cache_path, damage)
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Store a compiled kernel."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as reason:
+            log.warning("compiled kernel is not stored: %s cannot be written (%s)", self.cache_path, reason.strerror)
+
+
+def _compiled_apart(function: Callable[..., Any], signature: Any) -> bool:
+    """Whether another process has compiled and stored a kernel of this package."""
+    if APART in os.environ or function.__module__.partition(".")[0] != __name__.partition(".")[0]:
+        return False
+    done = subprocess.run(
+        [sys.executable, "-m", __name__],
+        input=dumps((function.__module__, function.__name__, signature)),
+        env=os.environ | {APART: "1"},
+        capture_output=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        log.debug("%s was not compiled apart: %s", function.__name__, done.stderr.decode(errors="replace"))
+    return done.returncode == 0
+
+
+def _compile_asked_for() -> None:
+    """Compile the kernel that standard input names; one process at a time, so that none is stored twice."""
+    module, name, signature = pickle.load(sys.stdin.buffer)
+    with (cache_folder() / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        getattr(import_module(module), name).compile(signature)
+
+
 def _compiled(function: Function, **options: Any) -> Function:
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = str(cache_folder())
-    try:
-        return cast(Function, numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
-    finally:
-        config.CACHE_DIR = previous
+    compiled = numba.njit(nogil=True, error_model="numpy", **options)(function)
+    folder = trusted_folder()
+    if folder is not None:
+        previous = config.CACHE_DIR
+        config.CACHE_DIR = str(folder)
+        try:
+            compiled._cache = _KernelCache(function)
+        finally:
+            config.CACHE_DIR = previous
+    return cast(Function, compiled)
+
+
+if __name__ == "__main__":
+    _compile_asked_for()

@@ -14,7 +14,7 @@ from ..inputs.shipped import MAX_DEPTH, load_yaml
 from ..inputs.yaml12 import parse
 from .scenario import TRACK, WHEELSET, Scenario
 
-MODELS = {"wheelset": WHEELSET, "track": TRACK}
+MODELS = {"wheelset": WHEELSET, "track": TRACK, "vehicle": None}
 """Keys that name a model, with the model of a scenario that names none."""
 PROFILES = ("wheel_1", "wheel_2", "rail_1", "rail_2")
 """Keys of ``profiles`` that name lateral profiles."""
@@ -87,8 +87,12 @@ def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
     A key within a track or wheelset that is a name, or left out, makes the content of that model part of the scenario.
     """
     model, dot, _ = key.partition(".")
-    if dot and model in MODELS and isinstance(data.setdefault(model, MODELS[model]), str):
-        data[model] = load_yaml(f"{model}s", data[model])
+    if dot and model in MODELS:
+        named = data.get(model, MODELS[model])
+        if isinstance(named, str):
+            data[model] = load_yaml(f"{model}s", named)
+        elif named is None:
+            data.pop(model, None)
     *path, last = key.split(".")
     place: Any = data
     for depth, part in enumerate(path):
@@ -103,7 +107,7 @@ def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
 
 def _find_beside(data: dict[str, Any], folder: Path) -> None:
     """Give the files that a scenario names, and that are beside it, by their path from here."""
-    places: list[tuple[Any, str]] = [(data, "wheelset"), (data, "track"), (data.get("track"), "base")]
+    places: list[tuple[Any, str]] = [*((data, model) for model in MODELS), (data.get("track"), "base")]
     profiles, irregularities = data.get("profiles"), data.get("irregularities")
     for surface, profile in profiles.items() if isinstance(profiles, dict) else ():
         places += [(profiles, surface), (profile, "file")]

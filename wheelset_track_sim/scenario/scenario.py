@@ -13,7 +13,7 @@ import numpy as np
 from ..contact.geometry import ContactGeometry
 from ..contact.law import rolling_surfaces
 from ..errors import InputError
-from ..inputs.schema import Quantity, check, parsed, plain, quantity, unknown
+from ..inputs.schema import check, parsed, plain, quantity, unknown
 from ..inputs.yaml12 import dump
 from ..irregularities import Irregularity, line_steps, plain_irregularities, read_irregularities
 from ..irregularities.kinds import check_number
@@ -22,7 +22,8 @@ from ..runtime.cache import digest
 from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
-from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, read_wheelset
+from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, primary_suspension, read_wheelset
+from ..wheelset.vehicle import Vehicle, plain_vehicle, read_vehicle
 from .contact import ContactOptions
 from .loads import Loads
 from .profiles import Profiles
@@ -32,9 +33,6 @@ WHEELS: tuple[Wheel, Wheel] = ("wheel_1", "wheel_2")
 
 WHEELSET, TRACK = "x40", "ballasted_60e1"
 """Names of the shipped models that a scenario has if it names none."""
-BAND = Quantity("Hz", 100.0, 10000.0, "the band limit")
-LINE = Quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat")
-
 PAPER_BAND = 2500.0
 """Band limit of the receptances in ``paper`` dynamics, Hz, if a scenario gives none (Section 3)."""
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
@@ -96,10 +94,12 @@ class Scenario:
     """In files: the name of a shipped wheelset, the path of a file, or a mapping."""
     track: Track = parsed(read_track, plain_track, default_factory=partial(load_track, TRACK))
     """In files: the name of a shipped track, the path of a file, or a mapping."""
+    vehicle: Vehicle | None = parsed(read_vehicle, plain_vehicle, default=None)
+    """What stands on the primary suspension; None holds its upper ends. In files like ``track``."""
     irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
-    line_length: float | None = None
-    """Length after which the irregularities of the rails repeat, m; None is 60 m, or as often that as they need."""
+    line_length: float | None = quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat", default=None)
+    """None is 60 m, or as often that as the irregularities of the rails need."""
     loads: Loads = field(default_factory=Loads)
     """What is superposed on the axle's stress beside the contact forces; nothing by default."""
     profiles: Profiles = field(default_factory=Profiles)
@@ -124,8 +124,8 @@ class Scenario:
     ``smooth``: a defect meets the rail for the first time after step 0, as in the paper (Section 5.1), and always in
     ``paper`` dynamics."""
 
-    max_frequency: float | None = None
-    """Band limit, Hz: of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
+    max_frequency: float | None = quantity("Hz", 100.0, 10000.0, "the band limit", default=None)
+    """Of the receptances (``paper``, 2500 if None), or of the modes that are kept (``causal``; if None,
     6000 of the wheelset and 5000 of the track)."""
     lag_zero: Literal["default", "residual", "wheel_residual", "printed", "zero", "folded"] = "default"
     """What a force displaces at its own instant; ``docs/validation.md`` compares them.
@@ -142,14 +142,11 @@ class Scenario:
                 raise InputError(f"{name} = {getattr(self, name)!r} is a name, or plain data: give {load}({name})")
         if not self.name:
             raise InputError("name is empty: give the scenario a name")
-        for name, limits in (("max_frequency", BAND), ("line_length", LINE)):
-            refusal = None if getattr(self, name) is None else limits.refusal(name, getattr(self, name))
-            if refusal:
-                raise InputError(refusal)
         known = LAG_ZERO[self.dynamics]
         if self.lag_zero not in ("default", *known):
             raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
         self._check_speeds()
+        self._check_vehicle()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
         self.loads.check_weight(self.wheelset, self.axle_load)
         check_number(len(self.irregularities))
@@ -225,6 +222,18 @@ class Scenario:
         """Digest of all that the scenario says; names of shipped models count as names."""
         return digest(self.to_mapping())
 
+    def _check_vehicle(self) -> None:
+        if self.vehicle is None:
+            return
+        if not isinstance(self.vehicle, Vehicle):
+            raise InputError(f"vehicle = {self.vehicle!r} is a name, or plain data: give load_vehicle(vehicle)")
+        if self.vehicle.body_mass is not None and self.dynamics == "paper":
+            raise InputError(
+                "vehicle.body_mass moves more slowly than the Green's functions of paper dynamics last: leave it out, "
+                "or use causal"
+            )
+        primary_suspension(self.wheelset)
+
     def _check_speeds(self) -> None:
         for index, (before, after) in enumerate(pairwise(self.speed_plan)):
             if after.time <= before.time:
@@ -268,7 +277,7 @@ def _check_models(
     if not _whole(bay):
         raise InputError(
             f"step_length = {dx:g} m does not divide the sleeper spacing of {track.spacing:g} m: "
-            f"give {_dividing(track.spacing, math.ceil(bay))} m"
+            f"give {dividing(track.spacing, math.ceil(bay))} m"
         )
     nodes = [node.name for node in wheelset.stress_nodes]
     for index, node in enumerate(stress_nodes):
@@ -295,7 +304,7 @@ def _whole(count: float) -> bool:
     return abs(count - round(count)) <= 1e-6
 
 
-def _dividing(length: float, parts: int) -> str:
+def dividing(length: float, parts: int) -> str:
     """A length that goes ``parts`` times into ``length``, or a little more often: the first that few digits can say."""
     found = (f"{length / count:.6g}" for count in range(parts, 2 * parts + 1))
     return next((each for each in found if _whole(length / float(each))), f"{length / parts!r}")

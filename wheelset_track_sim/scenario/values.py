@@ -23,7 +23,7 @@ def values_of(scenario: Scenario) -> dict[str, float]:
     """Values that describe a scenario; those of damage are of the first breakout on each wheel."""
     values: dict[str, float] = {name: getattr(scenario, name) for name in SCENARIO_NUMBERS}
     for wheel in WHEELS:
-        first = _first_breakout(scenario, wheel)
+        first = first_breakout(scenario, wheel)
         for name, smooth in SIZE_C.items():
             values[f"{wheel}.damage.{name}"] = float(getattr(first, name)) if first else smooth
     return values
@@ -41,7 +41,7 @@ def with_values(base: Scenario, values: Values) -> Scenario:
             breakout = Breakout(on=wheel, **given)
         except InputError as refusal:
             raise InputError(f"{wheel}.damage.{refusal}") from None
-        first = _first_breakout(base, wheel)
+        first = first_breakout(base, wheel)
         if first == breakout:
             continue
         place = len(irregularities) if first is None else irregularities.index(first)
@@ -50,5 +50,6 @@ def with_values(base: Scenario, values: Values) -> Scenario:
     return dataclasses.replace(base, **numbers, irregularities=tuple(irregularities))
 
 
-def _first_breakout(scenario: Scenario, wheel: str) -> Breakout | None:
+def first_breakout(scenario: Scenario, wheel: str) -> Breakout | None:
+    """The breakout of a wheel whose values parameters show; None if it has none."""
     return next((item for item in scenario.irregularities if isinstance(item, Breakout) and item.on == wheel), None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 from weakref import WeakValueDictionary
 
 from ..runtime.cache import digest
+from ..runtime.cores import cores
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario import Scenario
@@ -78,7 +78,7 @@ class Fleet:
             built.settle()
             return built
 
-        self._executor = ThreadPoolExecutor(threads or len(os.sched_getaffinity(0)), "wheelset")
+        self._executor = ThreadPoolExecutor(threads or cores(), "wheelset")
         try:
             self.simulators = tuple(self._executor.map(simulator, scenarios))
         except BaseException:

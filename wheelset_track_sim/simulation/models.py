@@ -28,8 +28,9 @@ from ..track.line import track_line
 from ..track.ring import MAX_FREQUENCY
 from ..track.track import Track
 from ..version import __version__
-from ..wheelset.kinds import AnyWheelset, reduce_wheelset
+from ..wheelset.kinds import AnyWheelset, primary_suspension, reduce_wheelset
 from ..wheelset.reduced import ReducedWheelset
+from ..wheelset.vehicle import Vehicle
 from .passage import FADE, faded
 
 KERNELS = f"{__package__}.compilation"
@@ -49,6 +50,7 @@ class Models:
     steps_per_revolution: int
     tread_origin: int
     """Step at which angle 0 of the treads meets the rail."""
+    vehicle: Vehicle | None = None
     tables: bool | Literal["smooth"] = True
     """Which contacts have tables, as for ``build_contact_law``."""
     hardness: float = math.inf
@@ -110,7 +112,13 @@ class Models:
 
     def digest(self, scenario: Scenario) -> str:
         """Digest of a scenario with the content of its models, and of the program's version."""
-        return digest([__version__, scenario.to_mapping(), self.wheelset, self.track, self.geometry])
+        models = [self.wheelset, self.track, *([self.vehicle] if self.vehicle else [])]
+        return digest([__version__, scenario.to_mapping(), *models, self.geometry])
+
+    @property
+    def settling(self) -> float:
+        """Time, s, in which what stands on the primary suspension comes to rest; 0 if that is nothing."""
+        return 0.0 if self.vehicle is None else self.vehicle.settling(*primary_suspension(self.wheelset))
 
 
 def with_own_state(law: ContactLaw) -> ContactLaw:
@@ -132,7 +140,7 @@ def load_models(
 
 def _models(scenario: Scenario, progress: Progress | None, tables: bool | Literal["smooth"]) -> Models:
     wheelset, track, dx = scenario.touched_wheelset, scenario.track, scenario.step_length
-    reduced = reduce_wheelset(wheelset, progress)
+    reduced = reduce_wheelset(wheelset, progress, scenario.vehicle)
     nodes, band, lag_zero = scenario.output.stress_nodes, scenario.max_frequency, scenario.at_lag_zero
     dynamics: DynamicsModel
     if scenario.dynamics == "paper":
@@ -155,6 +163,7 @@ def _models(scenario: Scenario, progress: Progress | None, tables: bool | Litera
         step_length=dx,
         steps_per_revolution=scenario.steps_per_revolution,
         tread_origin=scenario.tread_origin,
+        vehicle=scenario.vehicle,
         tables=tables,
         hardness=scenario.contact.largest_pressure,
         tolerance=scenario.contact.largest_estimate,

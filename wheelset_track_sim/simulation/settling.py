@@ -27,7 +27,8 @@ difference between standing and running, which is itself below 1 % of the static
 LEAD = 2.0
 """Time on the scenario's surfaces before step 0, s: the bending of the axle that a defect excites decays meanwhile."""
 LEAD_AFTER_FADE = 0.3
-"""The same on surfaces that never leave the patch, after they have faded in, s: these excite it evenly."""
+"""The same on surfaces that never leave the patch, after they have faded in, s: these excite it evenly. A vehicle takes
+its own time for both (``Models.settling``)."""
 
 
 class Settling(NamedTuple):
@@ -83,10 +84,10 @@ def _stages(models: Models, first: Condition, smooth: ContactLaw, under: Settlin
     stages: list[Condition] = []
     if under.surfaces[0]:
         turn, origin = models.steps_per_revolution, models.tread_origin
-        lead = max(round(LEAD / dt), turn)
+        lead = max(round(max(LEAD, models.settling) / dt), turn)
         clear = passage(smooth, first.law, under.step - lead, origin)
         if clear is None:
-            lead = max(round((FADE + LEAD_AFTER_FADE) / dt), turn)
+            lead = max(round((FADE + max(LEAD_AFTER_FADE, models.settling)) / dt), turn)
             begin = under.step - lead
             plain = dataclasses.replace(first.scenario, irregularities=())
             law, steps = models.fade_law(plain, first.scenario, begin, under.speed)

@@ -16,10 +16,12 @@ from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario import Scenario
+from ..wheelset.around import Around
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
 from .coupled import AHEAD, Coupled
 from .instants import Contact
+from .limits import warn_of_limits
 from .models import Models, load_models
 from .preload import Loading
 from .settling import SETTLING, Settled, Settling, settle
@@ -78,6 +80,7 @@ class Simulator:
     ) -> None:
         """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
+        warn_of_limits(scenario, self._models.reduced)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
         self._start = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
@@ -244,6 +247,11 @@ class Simulator:
         for field in dataclasses.fields(Scenario):
             if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
+        if scenario.axle_load != current.axle_load and self._models.vehicle and self._models.vehicle.body_mass:
+            raise InputError(
+                "axle_load cannot change during a run with vehicle.body_mass, which is what it loads: start a new run, "
+                "or leave body_mass out"
+            )
         current.loads.check_change(scenario.loads)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards
         if scenario.speed_plan not in ((), self._plan):
@@ -303,6 +311,14 @@ class Simulator:
             nodes=scenario.output.stress_nodes,
             contacts=coupled.contacts,
         )
+
+    @property
+    def constant_stress(self) -> Real:
+        """What is the same all around the axle at all times, of press fits and given stresses, (nodes, 6), Pa."""
+        nodes = len(self.scenario.output.stress_nodes)
+        if self._superposition is None:
+            return np.zeros((nodes, len(COMPONENTS)))
+        return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
 
     def _preload_for(self, scenario: Scenario) -> Real:
         smooth = self._models.contact_law(())

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import InputError
-from ..inputs.schema import unknown
-from . import units
+from ..inputs import units
+from ..inputs.schema import keyed, unknown
+from ..scenario.meaning import meaning_of
 
 MOST_POINTS = 10_000
 
@@ -60,9 +61,12 @@ class Axis:
 
 def read_axis(name: str, data: Any, where: str) -> Axis:
     """Axis of a study's ``vary``; raises InputError naming ``where``."""
-    meaning, si = units.meaning(name)
+    meaning, si = meaning_of(name)
     if isinstance(data, Mapping) and data and all(isinstance(changes, Mapping) for changes in data.values()):
-        points = [Point(str(label), str(label), tuple(changes.items())) for label, changes in data.items()]
+        points = [
+            Point(str(label), str(label), tuple(keyed(changes, f"{where}.{label}").items()))
+            for label, changes in data.items()
+        ]
         return Axis(name, _distinct(points, where), name, "")
     values = _values(data, si, where)
     numeric = all(isinstance(value, float) for value in values)

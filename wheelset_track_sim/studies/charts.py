@@ -12,9 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ..errors import InputError
-from ..inputs.schema import unknown
+from ..inputs import units
+from ..inputs.schema import keyed, unknown
 from ..report.figures import COLOURS, new_figure
-from . import drawing, units
+from . import drawing
 from .axes import Axis, Point
 from .outputs import extreme_of, place_of, quantity_of, unit_of
 
@@ -39,6 +40,9 @@ class Panel:
     title: str = ""
     at: Any = field(default_factory=dict)
     """Axes with the value or label at which the panel looks."""
+
+    def __post_init__(self) -> None:
+        keyed(self.at, "at", "axes with their values")
 
 
 @dataclass(frozen=True)
@@ -115,8 +119,8 @@ class Lines:
                 axes.plot(at, paper, **PAPER, **look)
         low, high = axes.get_ylim()
         axes.set_ylim(low if low > 0.5 * high else min(0.0, 0.0 if low > -0.1 * high else low), high)
-        axes.set_ylabel(units.text(_common(panel.y), shown.name))
-        axes.set_xlabel(self.x_label or units.text(along.meaning, units.for_people(along.unit).name))
+        axes.set_ylabel(units.with_unit(_common(panel.y), shown.name))
+        axes.set_xlabel(self.x_label or units.with_unit(along.meaning, units.for_people(along.unit).name))
         if not along.is_numeric:
             axes.set_xticks(range(len(along.points)), [point.label for point in along.points], rotation=20, ha="right")
             axes.set_xlim(-0.5, len(along.points) - 0.5)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from ..errors import InputError, WheelsetTrackError
+from ..runtime.cores import cores
 from ..runtime.progress import Progress
 from ..simulation.models import load_models
 from .evaluate import Job, Result, evaluate, program
@@ -139,12 +139,7 @@ def _done(jobs: Mapping[int, Job], resources: Resources) -> Iterator[tuple[int, 
     work: Callable[[Job], Result] = partial(evaluate, made_for=program())
     if resources.scheduler is not None:
         return on_cluster(work, jobs, resources.scheduler)
-    return on_this_machine(work, jobs, min(resources.workers or _cores(), len(jobs)))
-
-
-def _cores() -> int:
-    """Cores that this program may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return on_this_machine(work, jobs, min(resources.workers or cores(), len(jobs)))
 
 
 def _told(failure: Exception) -> str:

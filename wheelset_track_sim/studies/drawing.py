@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from ..errors import InputError
 from ..report.figures import COLOURS, finish
 from ..runtime.arrays import Complex, Real
+from ..runtime.output_files import file_name
 from ..scenario import Scenario
 
 BAND = 2500.0
@@ -35,7 +36,7 @@ class Look:
 
 def save(out: Path, name: str, figure: Figure) -> list[Path]:
     """Write ``name.png`` and ``name.svg`` into ``out``; raises InputError if they cannot be written."""
-    paths = [out / f"{name}.png", out / f"{name}.svg"]
+    paths = [out / f"{file_name(name)}{suffix}" for suffix in (".png", ".svg")]
     try:
         out.mkdir(parents=True, exist_ok=True)
         for path in paths:
@@ -50,7 +51,7 @@ def save(out: Path, name: str, figure: Figure) -> list[Path]:
 
 def table(out: Path, name: str, columns: Mapping[str, Sequence[Any] | Real]) -> Path:
     """Write ``name.csv`` into ``out``: one column each, headed by quantity and unit; numbers with seven digits."""
-    path = out / f"{name}.csv"
+    path = out / f"{file_name(name)}.csv"
     try:
         out.mkdir(parents=True, exist_ok=True)
         with path.open("w", newline="", encoding="utf-8") as file:

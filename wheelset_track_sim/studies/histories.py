@@ -11,11 +11,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..errors import InputError
+from ..inputs import units
 from ..inputs.schema import unknown
 from ..report.figures import COLOURS, new_figure
 from ..runtime.arrays import Real
 from ..scenario import WHEELS
-from . import drawing, units
+from . import drawing
 
 if TYPE_CHECKING:
     from .results import Results
@@ -137,7 +138,7 @@ class Histories:
         axes.set_xlim(*(distance[part][[0, -1]] if results.found else (0, 1)))
         axes.margins(y=0.12)
         axes.set_title(panel.title, fontsize=10, loc="left")
-        axes.set_ylabel(units.text(channel.quantity, shown.name))
+        axes.set_ylabel(units.with_unit(channel.quantity, shown.name))
         handles, labels = axes.get_legend_handles_labels()
         if len(handles) > 1:
             axes.legend(handles[::-1], labels[::-1], fontsize=8.5, frameon=False, loc="best")

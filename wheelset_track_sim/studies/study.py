@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from ..errors import InputError
 from ..inputs import shipped
-from ..inputs.schema import check, quantity, read, unknown
+from ..inputs.schema import check, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
@@ -105,8 +105,9 @@ class Study:
 
     def __post_init__(self) -> None:
         for name in ("set", "vary"):
-            if not isinstance(getattr(self, name), Mapping):
-                raise InputError(f"{name} = {getattr(self, name)!r} is not a mapping of scenario keys")
+            keyed(getattr(self, name), name)
+        if not isinstance(self.scenario, (str, Path, Mapping)):
+            raise InputError(f"scenario = {self.scenario!r} is neither a name, nor a file, nor a mapping of its keys")
         for index, name in enumerate(self.figures):
             if name not in FIGURES:
                 raise InputError(unknown("figure", f"figures.{index} = {name!r}", name, [*FIGURES]))

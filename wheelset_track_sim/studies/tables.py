@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from ..inputs import units
 from ..scenario import WHEELS
-from . import drawing, units
+from . import drawing
 from .histories import DISTANCE
 from .outputs import label_of, unit_of
 from .results import Results
@@ -37,14 +38,14 @@ def write_csv(results: Results, out: Path) -> list[Path]:
     for axis in results.axes:
         points = [results.point(index, axis.name) for index in indices]
         values = [point.value if axis.is_numeric else point.label for point in points]
-        columns[units.text(axis.name, axis.unit)] = values
+        columns[units.with_unit(axis.name, axis.unit)] = values
     columns["dynamics"] = [run.scenario.dynamics for run in results.runs]
     for name in results.study.outputs:
-        columns[units.text(label_of(name), unit_of(name))] = [results.value(index, name) for index in indices]
+        columns[units.with_unit(label_of(name), unit_of(name))] = [results.value(index, name) for index in indices]
     for name in results.study.outputs:
         paper = [results.published(index, name) for index in indices]
         if np.isfinite(paper).any():
-            columns[f"paper: {units.text(label_of(name), unit_of(name))}"] = paper
+            columns[f"paper: {units.with_unit(label_of(name), unit_of(name))}"] = paper
     paths = [drawing.table(out, "results", columns)] if results.study.outputs else []
     for index in sorted(results.found):
         label = re.sub(r"\W+", "_", results.runs[index].label).strip("_")
@@ -78,7 +79,7 @@ def number(value: float) -> str:
 def _runs(results: Results) -> ResultTable:
     names = results.study.outputs
     shown = [units.for_people(unit_of(name)) for name in names]
-    headings = [units.text(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
+    headings = [units.with_unit(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
     values = [
         [number(results.value(index, name) / unit.size) for name, unit in zip(names, shown, strict=True)]
         for index in range(len(results.runs))

@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -63,6 +63,22 @@ TOLERANCE = 0.03
 """Bound on what modes left out as negligible add to the receptance; what they add in fact is some ten times less."""
 
 
+class HalfRingModes(NamedTuple):
+    """``r' = poles r + input(X) F``, ``xi = Re(output(X) r)``; the state is ``r`` at any speed."""
+
+    poles: Complex  # (P,) rad/s in the moving frame
+    input: Complex  # (nb, P)
+    output: Complex  # (nb, P)
+
+    def of_state(self, r: Complex) -> Complex:
+        """Modes in a state, which are the state."""
+        return r
+
+    def carried(self, other: HalfRingModes, r: Complex) -> Complex:
+        """Modes of this speed in the state that is ``r`` in those of the ``other``: the same."""
+        return r
+
+
 @dataclass(frozen=True, eq=False)
 class HalfRing:
     """Modes of the ring of a half track in the moving frame; P modes, nb positions a bay."""
@@ -73,10 +89,19 @@ class HalfRing:
     output: Complex  # (nb, P) p(x) at x = j dx, in m/N s with the scale of ``input``
     residual: Real  # (nb,) m/N
 
-    def standing(self, force: float) -> Complex:
-        """Modal state (P,) in equilibrium with ``force`` (N) standing above a sleeper, x = 0."""
-        state: Complex = -self.input[0] * force / self.poles
+    def standing(self, position: int, force: float) -> Complex:
+        """Modal state (P,) in equilibrium with ``force`` (N) standing at a ``position`` of the bay."""
+        state: Complex = -self.input[position] * force / self.poles
         return state
+
+    def compliance(self) -> Real:
+        """Static deflection (nb,) for a unit force there, m/N."""
+        static: Real = self.residual - (self.output * self.input / self.poles).real.sum(axis=1)
+        return static
+
+    def modes(self, speed: float) -> HalfRingModes:
+        """The same modes in a frame that runs at ``speed`` (m/s): all decay as they do at rest."""
+        return HalfRingModes(self.moving_poles(speed), self.input, self.output)
 
     def moving_poles(self, speed: float) -> Complex:
         """Poles (P,) in rad/s in a frame that runs at ``speed`` (m/s)."""

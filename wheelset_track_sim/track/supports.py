@@ -31,6 +31,8 @@ Rail = Literal["rail_1", "rail_2", "both"]
 STIFF, DAMPED = (1e-3, 100.0), (1e-3, 10.0)
 """Limits of the multiples of stiffness and of damping."""
 
+FOLLOWED_STEP = 1.0 / 15000.0
+"""Longest step, s, in which a line follows what an impact excites within 1 %; in longer ones it is up to 12 % more."""
 LONGEST_STEP = 2.0e-4
 """Longest step, s, in which the bays of a line can be followed: in longer ones impacts come out twice as high, and from
 0.3 ms on the force grows without bound."""

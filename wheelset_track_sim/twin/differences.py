@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
@@ -52,7 +53,7 @@ class RunDifferences:
 
     def push(self, block: SampleBlock, before: int, ours: Real, theirs: Real) -> None:
         """Compare samples (n, signals) of both runs, from sample ``before`` of the recorded ``block`` on."""
-        unequal = ours != theirs
+        unequal = _bits(ours) != _bits(theirs)
         if not unequal.any():
             return
 
@@ -72,6 +73,11 @@ class RunDifferences:
             place(int(beyond[-1])) if len(beyond) else None,
         )
         self._found = _joined(self._found, here) if self._found else here
+
+
+def _bits(values: Real) -> NDArray[np.uint64]:
+    """Numbers by their bits: a zero has two signs, and NaN is the same as itself."""
+    return np.ascontiguousarray(values, np.float64).view(np.uint64)
 
 
 def _joined(before: Difference, after: Difference) -> Difference:

@@ -8,13 +8,14 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 
 from ..bags import Bag
 from ..bags.losses import Loss
 from ..bags.run_info import versions
-from ..errors import RecordingError
+from ..errors import InputError, RecordingError
 from ..live.run_messages import model_digests, record
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
@@ -28,6 +29,10 @@ from .run_inputs import RecordedChange, RunInputs, run_inputs, with_settings
 
 CHUNK = 5556
 """Steps at a time where nothing is compared."""
+MOST_STEPS = 10**8
+"""Steps in a row without samples that are simulated: an hour of the run."""
+OTHER_DIGESTS = "0.1."
+"""Versions whose digests of models have another form, so that they cannot be compared with those of today."""
 AGREEMENT = 1e-3
 """Share of the static load, and of the largest stress at the start, that counts as agreement."""
 
@@ -38,6 +43,11 @@ class Resimulation:
 
     path: Path
     samples: int
+    """Steps that were compared."""
+    nodes: tuple[str, ...]
+    """Stress nodes that were compared."""
+    left_out: tuple[str, ...]
+    """What the bag holds and was not compared, besides what is lost."""
     settings: tuple[str, ...]
     """Settings other than recorded, ``key=value``."""
     inputs: RunInputs
@@ -53,6 +63,8 @@ class Resimulation:
     """Of the simulated ones, at the same steps."""
     origin: dict[str, tuple[str, str]]
     """Versions and models that differ: as the bag names them, as they are here."""
+    digests_differ: str
+    """Version that recorded the bag, if its digests of models cannot be compared with those here; otherwise empty."""
     duration: float
     """Of the recorded samples, s."""
     unknown: tuple[int, ...]
@@ -62,7 +74,7 @@ class Resimulation:
 
     @property
     def identical(self) -> bool:
-        """Whether all forces and stresses are the same, bit by bit."""
+        """Whether all forces and stresses that were compared are the same, bit by bit."""
         return self.force is None and self.stress is None and not self.moved
 
     @property
@@ -72,7 +84,11 @@ class Resimulation:
 
 
 def resimulate(
-    path: str | Path, settings: Sequence[str] = (), out: Path | None = None, progress: Progress | None = None
+    path: str | Path,
+    settings: Sequence[str] = (),
+    out: Path | None = None,
+    progress: Progress | None = None,
+    most_steps: int = MOST_STEPS,
 ) -> Resimulation:
     """Simulate the run of a bag again from its inputs, and compare it with the recording.
 
@@ -88,13 +104,15 @@ def resimulate(
         Bag to write of the new run, over the steps that were recorded.
     progress
         Called with stage and fraction.
+    most_steps
+        Steps in a row without samples that are simulated at most, as before a recording that began late.
 
     Raises
     ------
     RecordingError
         The bag cannot be read or does not hold the inputs of its run.
     InputError
-        A setting cannot be made, or ``out`` exists or cannot be written.
+        A setting cannot be made, ``out`` exists or cannot be written, or the bag begins too late.
 
     Examples
     --------
@@ -110,13 +128,15 @@ def resimulate(
     scenarios = with_settings([change.scenario for change in inputs.changes], settings)
     changes = [change._replace(scenario=new) for change, new in zip(inputs.changes, scenarios, strict=True)]
     kept = [_surfaces(old) == _surfaces(new) for old, new in zip(inputs.changes, changes, strict=True)]
-    rerun = _Rerun(changes, kept, inputs.start, progress)
+    rerun = _Rerun(changes, kept, inputs.start, progress, most_steps)
+    too_early = 0
     comparison: _Comparison | None = None
     with ExitStack() as stack:
         push: Callable[[SampleBlock, Summary], None] | None = None
         for block in bag.blocks():
             if block.first_step < rerun.simulator.next_step:
-                continue  # before all inputs that the bag holds
+                too_early += len(block)  # before all inputs that the bag holds
+                continue
             for missing in rerun.up_to(block.first_step):
                 if push is not None:
                     push(missing, summarise(missing))
@@ -135,9 +155,13 @@ def resimulate(
         raise RecordingError(
             f"{bag.path} does not say what its samples were simulated from: record it with its state topic"
         )
+    recorded_by = bag.info.versions.get("wheelset_track_sim", "")
+    old = recorded_by if recorded_by.startswith(OTHER_DIGESTS) else ""
     return Resimulation(
         path=bag.path,
         samples=comparison.before.samples,
+        nodes=comparison.nodes,
+        left_out=comparison.left_out(too_early),
         settings=tuple(settings),
         inputs=inputs,
         moved=tuple(rerun.moved),
@@ -145,7 +169,9 @@ def resimulate(
         stress=comparison.stress.found,
         before=comparison.before,
         after=comparison.after,
-        origin=_other(bag.info.versions, versions()) | _other(bag.info.models, model_digests(rerun.simulator)),
+        origin=_other({"wheelset_track_sim": "unknown"} | dict(bag.info.versions), versions())
+        | ({} if old else _other(bag.info.models, model_digests(rerun.simulator))),
+        digests_differ=old,
         duration=comparison.duration,
         unknown=tuple(sorted(comparison.revisions.difference(change.revision for change in changes))),
         lost=tuple(lost),
@@ -165,7 +191,9 @@ class _Rerun:
         kept: Sequence[bool],
         start: Stretch | None,
         progress: Progress | None,
+        most_steps: int,
     ) -> None:
+        self._most = most_steps
         self.moved: list[tuple[int, int, int]] = []
         exactly = [before and after for before, after in pairwise(kept)]
         self._left = deque(zip(changes[1:], exactly, strict=True))
@@ -182,15 +210,32 @@ class _Rerun:
 
     def up_to(self, step: int) -> Iterator[SampleBlock]:
         start = self.simulator.next_step
+        if step - start > self._most:
+            raise self._too_long(step)
         while (left := step - self.simulator.next_step) > 0:
             yield self.advance(min(left, CHUNK))
             if self._progress:
                 self._progress("simulate what comes before", (self.simulator.next_step - start) / (step - start))
 
+    def _too_long(self, step: int) -> InputError:
+        """Error for a step that is too far away, with the time that it takes to get there."""
+        simulator = self.simulator
+        begun, missing = simulator.next_step, step - simulator.next_step
+        simulator.advance(CHUNK)  # compiles
+        clock = monotonic()
+        period = simulator.advance(CHUNK).step_period
+        took = (monotonic() - clock) / CHUNK * missing
+        return InputError(
+            f"step {step} comes {missing} steps ({missing * period:.3g} s of the run) after step {begun}, and the bag "
+            f"holds none between: simulating them takes about {took:.2g} s here, give --most-steps {missing} to do so"
+        )
+
 
 class _Comparison:
     def __init__(self, first: SampleBlock, simulator: Simulator) -> None:
         nodes = simulator.scenario.output.stress_nodes
+        self.nodes = tuple(node for node in first.nodes if node in nodes)
+        self._other_nodes = [node for node in first.nodes if node not in nodes]
         self._rows = [(first.nodes.index(node), nodes.index(node)) for node in first.nodes if node in nodes]
         names = tuple(f"{first.nodes[row]} {component}" for row, _ in self._rows for component in COMPONENTS)
         self.force = RunDifferences(WHEELS, AGREEMENT * simulator.scenario.wheel_load)
@@ -209,6 +254,12 @@ class _Comparison:
     def after(self) -> Summary:
         assert self._after is not None
         return self._after
+
+    def left_out(self, too_early: int) -> tuple[str, ...]:
+        """What of the recorded samples is not compared."""
+        nodes = [f"stresses of {node}, which the scenario does not have" for node in self._other_nodes]
+        steps = [f"{too_early} steps before the first inputs that the bag holds"] if too_early else []
+        return (*nodes, *steps)
 
     def push(self, block: SampleBlock, done: int, simulated: SampleBlock) -> Summary:
         """Compare the samples of a recorded block after the first ``done``; returns the summary of the simulated."""

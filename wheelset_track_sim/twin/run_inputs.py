@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..bags import Bag
 from ..bags.run_info import Input, in_order
-from ..errors import InputError, RecordingError
+from ..errors import InputError, RecordingError, recorded_input
 from ..inputs.yaml12 import parse
-from ..scenario import Scenario, override, scenario_from
-from ..scenario.values import values_of, with_values
+from ..scenario import WHEELS, Scenario, override, scenario_from
+from ..scenario.values import first_breakout, values_of, with_values
 from ..simulation.speed import Stretch
 
 FIXED = ("name", "step_length")
@@ -61,28 +62,32 @@ def with_settings(scenarios: Sequence[Scenario], settings: Sequence[str]) -> lis
     """Scenarios of a run with ``key=value`` set in each of them, so that it holds throughout the run.
 
     A key is that of a scenario (``irregularities.0.h``, ``track.pad.stiffness``) or the name of a parameter of the node
-    (``wheel_1.damage.h``). An irregularity is set in each scenario that has so many. A ``speed`` ends the speed plan.
-    Raises InputError for a setting that cannot be made, or that no scenario has.
+    (``wheel_1.damage.h``, of the first breakout on that wheel). What is set of an irregularity is set in each scenario
+    that has this irregularity, and adds none. A ``speed`` ends the speed plan. Raises InputError for a setting that
+    cannot be made, or of an irregularity that no scenario has.
     """
     for setting in settings:
-        key = setting.partition("=")[0]
+        key = setting.partition("=")[0].strip()
         places = [number for number, scenario in enumerate(scenarios) if _has(scenario, key)]
         if not places:
-            most = max(len(scenario.irregularities) for scenario in scenarios)
-            raise InputError(
-                f"--set {key}: the run has {most} irregularities at most, 0 is the first: give one of them"
-            )
-        scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
+            raise InputError(f"--set {key}: {_missing(scenarios, key)}")
+        with nullcontext() if key.startswith("irregularities") else recorded_input():
+            scenarios = [_with(scenario, setting) if n in places else scenario for n, scenario in enumerate(scenarios)]
     return [*scenarios]
 
 
 def _change(bag: Bag, of: Input) -> RecordedChange:
     try:
-        data = parse(of.scenario, "it")
+        data = parse(of.scenario, "it", trusted=False)
+        if not isinstance(data, dict):
+            raise InputError("it is not a mapping of scenario keys")  # noqa: TRY301
         if bag.info.versions.get("wheelset_track_sim", "").startswith("0.1."):
             data = {"settle_on": "smooth"} | data  # as every run of that version did
-        data["contact"] = {"exact": True} | (data.get("contact") or {})  # as runs were before there was a filter
-        return RecordedChange(of.revision, of.step, scenario_from(data))
+        stated = data.get("contact") or {}
+        if isinstance(stated, dict):
+            data["contact"] = {"exact": True} | stated  # as runs were before there was a filter
+        with recorded_input():
+            return RecordedChange(of.revision, of.step, scenario_from(data))
     except InputError as refusal:
         raise RecordingError(
             f"{bag.path}: scenario of revision {of.revision} cannot be used here ({refusal})"
@@ -90,13 +95,36 @@ def _change(bag: Bag, of: Input) -> RecordedChange:
 
 
 def _has(scenario: Scenario, key: str) -> bool:
+    """Whether a scenario has what is set, if that is of an irregularity."""
     name, _, rest = key.partition(".")
+    if name in WHEELS and key in values_of(scenario):
+        return first_breakout(scenario, name) is not None
     index = rest.partition(".")[0]
     return name != "irregularities" or not index.isdigit() or int(index) < len(scenario.irregularities)
 
 
+def _missing(scenarios: Sequence[Scenario], key: str) -> str:
+    """Why no scenario has the irregularity of a key, and what to do."""
+    name = key.partition(".")[0]
+    if name not in WHEELS:
+        most = max(len(scenario.irregularities) for scenario in scenarios)
+        return f"the run has {most} irregularities at most, 0 is the first: give one of them"
+    there = {
+        f"irregularities.{index} is a {item.type}": None
+        for scenario in scenarios
+        for index, item in enumerate(scenario.irregularities)
+        if item.on == name
+    }
+    return (
+        f"the run has no breakout on {name} ({', '.join(there) or 'which is smooth'}), and a setting adds none: "
+        f"set values that are there, or give all irregularities, such as "
+        f"irregularities=[{{type: breakout, on: {name}, a: 0.03, b: 0.024, h: 0.001}}]"
+    )
+
+
 def _with(scenario: Scenario, setting: str) -> Scenario:
     key, equals, text = setting.partition("=")
+    key = key.strip()
     if key in FIXED:
         raise InputError(f"--set {key}: {key} cannot be set for a recorded run: start a new one with run")
     if equals and key in values_of(scenario):

@@ -21,6 +21,7 @@ from .reduced import ReducedWheelset
 from .reduction import diagonalised
 from .static_loads import nominal_torsion
 from .stress_node import NAME, check_names
+from .vehicle import Vehicle, on_vehicle
 
 Numbers = tuple[float, ...]
 Rows = tuple[Numbers, ...]
@@ -29,6 +30,8 @@ FREQUENCY = Quantity("Hz", 0.1, 1e5, "the natural frequency of the wheelset on i
 DAMPING = Quantity("", 1e-7, 5.0, "the damping ratio")
 MASS = Quantity("kg", 1e-12, 1e12, "the modal mass")
 DIAMETER = Quantity("m", 0.05, 0.4, "the axle's diameter at the node")
+ONE_SUSPENSION = 0.02
+"""Share by which the stiffnesses of both suspensions may differ that follow from the modes."""
 IN_COMMON = 5.0
 """Factor between the stress of all modes and the static stress, at which units or normalisation are not the same."""
 
@@ -146,8 +149,26 @@ class ImportedWheelset:
         """Names of the parts at which a torque can act."""
         return [*self.places]
 
-    def reduced(self) -> ReducedWheelset:
-        """Reduced model of its modes."""
+    @property
+    def suspension_stiffness(self) -> float:
+        """Stiffness of one primary suspension, N/m: a force at one lifts it by that alone, and the other one not.
+
+        Raises InputError for modes that do not say it.
+        """
+        if not self.modes.suspension:
+            raise InputError("a vehicle needs the modes' lift at the suspension: give modes.suspension")
+        omega, norm, *_ = self._normalised()
+        boxes = np.array(self.modes.suspension) / norm
+        first, second = np.linalg.eigvalsh(boxes.T @ (boxes / omega[:, np.newaxis] ** 2))
+        if not second > first > (1.0 - ONE_SUSPENSION) * second:
+            raise InputError(
+                f"modes.suspension says {1 / second:.4g} and {1 / first:.4g} N/m of two springs, or modes are missing: "
+                "give bounce and roll on two equal suspensions"
+            )
+        return float(1.0 / second)
+
+    def reduced(self, vehicle: Vehicle | None = None) -> ReducedWheelset:
+        """Reduced model of its modes, under a vehicle if there is one."""
         modes, (omega, norm, modal, static, of_modes) = self.modes, self._normalised()
         ratios = -np.array(modes.poles)[:, 0] / omega if modes.poles else np.array(modes.damping_ratios)
         lift = np.array(modes.lift) / norm
@@ -155,15 +176,23 @@ class ImportedWheelset:
         if modes.suspension:
             boxes = np.array(modes.suspension) / norm
             damping += self.suspension_damping * boxes @ boxes.T
+        nodes = len(self.stress_nodes)
+        compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
+        shapes, rows = lift, modal.transpose(0, 2, 1)
+        if vehicle is not None:
+            spring, dashpot = self.suspension_stiffness, self.suspension_damping
+            omega, damping, own, stress = on_vehicle(
+                omega, damping, boxes, rows.reshape(-1, len(omega)), spring, dashpot, vehicle
+            )
+            shapes, rows = own.T @ lift, stress.reshape(nodes, 6, len(omega))
         poles, left, right = diagonalised(omega, damping)
         order = np.argsort(np.abs(poles), kind="stable")
         poles, left, right = poles[order], left[order], right[:, order]
-        compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
         return ReducedWheelset(
             poles=poles,
-            inputs=left @ lift,
-            outputs=lift.T @ right,
-            stress_outputs=modal.transpose(0, 2, 1) @ right,
+            inputs=left @ shapes,
+            outputs=shapes.T @ right,
+            stress_outputs=rows @ right,
             stress_feedthrough=static - of_modes,
             displacement_residual=np.array(self.static_lift) - compliance if self.static_lift else np.zeros((2, 2)),
             node_names=tuple(node.name for node in self.stress_nodes),

@@ -16,6 +16,7 @@ from .imported import ImportedWheelset
 from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .reduction import reduced_wheelset
+from .vehicle import Vehicle
 from .wheelset import Wheelset
 
 AnyWheelset = Wheelset | ImportedWheelset
@@ -96,11 +97,20 @@ def mass_of(wheelset: AnyWheelset) -> float:
     return wheelset.mass if isinstance(wheelset, ImportedWheelset) else total_mass(wheelset, wheelset_mesh(wheelset))
 
 
-def reduce_wheelset(wheelset: AnyWheelset, progress: Progress | None = None) -> ReducedWheelset:
-    """Reduced model of either kind, from the cache if it takes long to build."""
+def reduce_wheelset(
+    wheelset: AnyWheelset, progress: Progress | None = None, vehicle: Vehicle | None = None
+) -> ReducedWheelset:
+    """Reduced model of either kind, under a vehicle if there is one; from the cache if it takes long to build."""
     if isinstance(wheelset, ImportedWheelset):
-        return wheelset.reduced()
-    return reduced_wheelset(wheelset, progress=progress)
+        return wheelset.reduced(vehicle)
+    return reduced_wheelset(wheelset, vehicle=vehicle, progress=progress)
+
+
+def primary_suspension(wheelset: AnyWheelset) -> tuple[float, float]:
+    """Stiffness, N/m, and damping, N s/m, of one primary suspension; InputError for modes that do not say it."""
+    if isinstance(wheelset, ImportedWheelset):
+        return wheelset.suspension_stiffness, wheelset.suspension_damping
+    return wheelset.axle_boxes.stiffness, wheelset.axle_boxes.damping
 
 
 @cache

@@ -16,6 +16,7 @@ from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .section_mesh import SectionMesh
 from .stress_points import StressPoints
+from .vehicle import Vehicle, on_vehicle
 from .wheelset import Wheelset
 
 MAX_FREQUENCY = 6000.0
@@ -48,16 +49,24 @@ class Poles:
 
 
 def reduced_wheelset(
-    wheelset: Wheelset, *, max_frequency: float = MAX_FREQUENCY, progress: Progress | None = None
+    wheelset: Wheelset,
+    *,
+    max_frequency: float = MAX_FREQUENCY,
+    vehicle: Vehicle | None = None,
+    progress: Progress | None = None,
 ) -> ReducedWheelset:
     """Reduced model from the cache of models, built if it is not there; arguments as of `build_reduced_wheelset`."""
-    return cached("wheelset", ReducedWheelset, build_reduced_wheelset, wheelset, max_frequency, progress=progress)
+    build = build_reduced_wheelset
+    return cached("wheelset", ReducedWheelset, build, wheelset, max_frequency, vehicle, progress=progress)
 
 
 def build_reduced_wheelset(
-    wheelset: Wheelset, max_frequency: float = MAX_FREQUENCY, progress: Progress | None = None
+    wheelset: Wheelset,
+    max_frequency: float = MAX_FREQUENCY,
+    vehicle: Vehicle | None = None,
+    progress: Progress | None = None,
 ) -> ReducedWheelset:
-    """Reduced model with all modes of harmonics 0 to 6 to ``max_frequency`` Hz.
+    """Reduced model with all modes of harmonics 0 to 6 to ``max_frequency`` Hz, and with those of a vehicle.
 
     ``progress`` is called with a stage and the fraction done (0 to 1).
     """
@@ -68,7 +77,7 @@ def build_reduced_wheelset(
     parts = []
     for n in HARMONICS:
         report(f"wheelset modes, n = {n}", n / len(HARMONICS))
-        parts.append(_poles(wheelset, mesh, n, samples, max_frequency))
+        parts.append(_poles(wheelset, mesh, n, samples, max_frequency, vehicle if n == 1 else None))
     report("wheelset poles", 1.0)
 
     poles = np.concatenate([part.poles for part in parts])
@@ -107,7 +116,14 @@ def mode_shapes(wheelset: Wheelset, max_frequency: float = MAX_FREQUENCY) -> tup
     return mesh, found
 
 
-def _poles(wheelset: Wheelset, mesh: SectionMesh, n: int, samples: StressPoints, max_frequency: float) -> Poles:
+def _poles(
+    wheelset: Wheelset,
+    mesh: SectionMesh,
+    n: int,
+    samples: StressPoints,
+    max_frequency: float,
+    vehicle: Vehicle | None,
+) -> Poles:
     """Modes of harmonic ``n`` with Rayleigh damping and the full modal matrix of the suspension's dashpots."""
     model = harmonic(wheelset, mesh, n)
     frequencies, modes = model.modes(max_frequency)
@@ -118,14 +134,20 @@ def _poles(wheelset: Wheelset, mesh: SectionMesh, n: int, samples: StressPoints,
     material = wheelset.material
     damping = np.diag(material.mass_damping + material.stiffness_damping * omega**2)
     damping += wheelset.axle_boxes.damping * boxes @ boxes.T
-    poles, left, right = diagonalised(omega, damping)
     static = model.static(model.contacts)
+    residual = model.contacts.T @ static - contacts.T @ (contacts / omega[:, None] ** 2)
+    modal_stress = stress @ modes
+    if vehicle is not None:
+        spring, dashpot = wheelset.axle_boxes.stiffness, wheelset.axle_boxes.damping
+        omega, damping, shapes, modal_stress = on_vehicle(omega, damping, boxes, modal_stress, spring, dashpot, vehicle)
+        contacts = shapes.T @ contacts
+    poles, left, right = diagonalised(omega, damping)
     return Poles(
         poles=poles,
         inputs=left @ contacts,
         outputs=contacts.T @ right,
-        stress=(stress @ modes) @ right,
-        residual=model.contacts.T @ static - contacts.T @ (contacts / omega[:, None] ** 2),
+        stress=modal_stress @ right,
+        residual=residual,
         static_stress=stress @ static,
     )
 

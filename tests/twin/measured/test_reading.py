@@ -59,7 +59,7 @@ def test_every_form_of_table_is_the_same_measurement(
         ([HEAD, *ROWS[:3], "0.003,1,"], "line 5: A1_yy has no value"),
         ([HEAD, *ROWS[:3], "# gap", "0.002,1,1"], "line 6: 0.002 is not after the 0.002 before it"),
         ([HEAD, *ROWS[:3], ",1,1"], "line 5: nan is not after the 0.002 before it"),
-        ([HEAD, *ROWS[:3]], "has 3 samples: give at least 16"),
+        ([HEAD, *ROWS[:3]], "has 3 samples of time and of wheel_1, A1_yy: give at least 16 of each"),
     ],
 )
 def test_what_cannot_be_used_is_refused_by_line(tmp_path: Path, lines: list[str], reason: str) -> None:

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rosbags.serde import SerdeError
 
 from ...errors import RecordingError
 from ..bag_reader import BagReader
 from ..mcap.reader import Chunk, McapReader, Span
 from ..topics import Topic
+from .stamps import LATEST
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -120,21 +122,24 @@ class RecordedBag:
 
     def _spans(self, mcap: McapReader) -> _Spans:
         """Where the chunks of a file are; notes its topics on the way."""
-        spans = [*mcap.spans()]
-        if mcap.index is not None:
-            mcap.index.chunks.clear()  # which takes a hundred times the memory of ours
-        else:
-            for part in mcap.scan():
-                if isinstance(part, Chunk) and (found := _played(mcap, part)):
-                    times = [message.time_ns for message in found]
-                    topics = frozenset(message.topic for message in found)
-                    spans.append(Span(part.place, min(times), max(times), topics))
+        spans = [span for span in (self._within_time(mcap, span) for span in mcap.spans()) if span.first_ns <= LATEST]
+        mcap.release()
         for topic in mcap.topics:
             self.topics.setdefault(topic.name, topic)
         spans.sort(key=lambda span: (span.first_ns, span.last_ns, span.place))
         holding = {topic.name: np.flatnonzero([topic.name in span.topics for span in spans]) for topic in mcap.topics}
         places, first, last = np.array([span[:3] for span in spans], np.int64).reshape(-1, 3).T
         return _Spans(places, first, last, holding)
+
+    def _within_time(self, mcap: McapReader, span: Span) -> Span:
+        """A span without messages of times that cannot be played, which are reported."""
+        if span.last_ns <= LATEST:
+            return span
+        self._damaged(f"{mcap.name}: messages after {LATEST} ns are left out, for ROS has no such times")
+        if span.first_ns > LATEST:
+            return span
+        times = [message.time_ns for message in self._read(mcap, span.place)]
+        return span._replace(last_ns=max(times, default=span.first_ns))
 
     @contextmanager
     def _reporting(self, file: str) -> Iterator[None]:
@@ -152,4 +157,16 @@ class RecordedBag:
 
 
 def _played(mcap: McapReader, chunk: Chunk) -> list[Played]:
-    return [Played(item.log_time, item.topic.name, bytes(item.data)) for item in mcap.messages(chunk)]
+    """Messages of a chunk, those of earlier versions of this package as they are today."""
+    found = []
+    for item in mcap.messages(chunk):
+        if item.log_time > LATEST:
+            continue
+        data, conversion = bytes(item.data), item.topic.conversion
+        if conversion is not None:
+            try:
+                data = conversion(data)
+            except SerdeError:  # of another type than its definition says
+                continue
+        found.append(Played(item.log_time, item.topic.name, data))
+    return found

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 
-from rosbags.serde import SerdeError
-
+from ..bag_reader import DAMAGE
 from ..definitions import deserialise
 from ..topics import Topic
 from .recorded_bag import Played, RecordedBag
@@ -50,8 +49,8 @@ class Selection:
     def span_ns(self, message: Played) -> int:
         """Duration of the samples of a message, ns; 0 if it does not lead a chunk."""
         if message.topic == self.leading:
-            with suppress(SerdeError):
-                return span_ns(self._topics[message.topic].kind, message.cdr)
+            with suppress(*DAMAGE):
+                return min(max(0, span_ns(self._topics[message.topic].kind, message.cdr)), LONGEST)
         return 0
 
 

@@ -16,9 +16,14 @@ EARLIEST, LATEST = -(2**31) * SECOND, 2**31 * SECOND - 1
 """Stamps that fit, ns."""
 
 
+def stampable(cdr: bytes) -> bool:
+    """Whether a message is long enough to begin with a header."""
+    return len(cdr) >= PLACE + LITTLE.size
+
+
 def stamp_of(cdr: bytes) -> int:
     """Time stamp, ns, of a message whose first field is a header or a time; ValueError if it is too short for one."""
-    if len(cdr) < PLACE + LITTLE.size:
+    if not stampable(cdr):
         raise ValueError(f"{len(cdr)} bytes hold no header")
     seconds, nanoseconds = _layout(cdr).unpack_from(cdr, PLACE)
     return int(seconds) * SECOND + int(nanoseconds)

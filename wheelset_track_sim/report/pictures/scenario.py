@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from matplotlib.figure import SubFigure
 
+from ...errors import printable
 from ...runtime.progress import Progress
 from ...scenario import WHEELS, Profiles, Scenario
 from ...scenario.scenario import WHEELSET
@@ -36,7 +37,7 @@ def show_scenario(scenario: Scenario, path: Path, progress: Progress | None = No
 
     Raises InputError for a scenario that cannot be used, as the simulator does, and for a path that cannot be written.
     """
-    return write_rows(path, scenario.name, description(scenario), rows_of(scenario, progress))
+    return write_rows(path, printable(scenario.name), description(scenario), rows_of(scenario, progress))
 
 
 def write_rows(path: Path, title: str, note: str, rows: Sequence[PictureRow]) -> Path:
@@ -91,4 +92,5 @@ def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[Pictur
 def description(scenario: Scenario) -> str:
     """Wheelset, track, load and speed in a line."""
     load = f"{scenario.axle_load / 1e3:.1f} kN on both wheels, {3.6 * scenario.speed:.0f} km/h"
-    return f"{scenario.wheelset.name} on {scenario.track.name}, {load}"
+    above = f" under {scenario.vehicle.name}" if scenario.vehicle else ""
+    return f"{scenario.wheelset.name}{above} on {scenario.track.name}, {load}"

@@ -55,7 +55,10 @@ class Measurement:
 
     def __post_init__(self) -> None:
         if len(self.at) < SHORTEST:
-            raise InputError(f"{self.source} has {len(self.at)} samples: give at least {SHORTEST}")
+            raise InputError(
+                f"{self.source} has {len(self.at)} samples of {self.axis} and of {', '.join(self.signals)}: give at "
+                f"least {SHORTEST} of each"
+            )
         if not self.signals:
             raise InputError(f"{self.source} has no signal: give wheel_1, wheel_2 or a stress node")
         for name, values in {self.axis: self.at, **self.signals}.items():

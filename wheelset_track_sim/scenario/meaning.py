@@ -1,50 +1,17 @@
-"""Units: SI in files for programs, those of the railway in text and figures for people."""
+"""What a dotted scenario key means, from the declaration of its quantity."""
 
 from __future__ import annotations
 
 import typing
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 from ..irregularities.kinds import kind_named, known_kinds
-from ..scenario.scenario import BAND, Scenario
+from .scenario import Scenario
 
 
-@dataclass(frozen=True)
-class ShownUnit:
-    """A unit with its size in SI."""
-
-    name: str
-    size: float = 1.0
-
-
-FOR_PEOPLE = {
-    "m/s": ShownUnit("km/h", 1 / 3.6),
-    "m": ShownUnit("mm", 1e-3),
-    "N": ShownUnit("kN", 1e3),
-    "Pa": ShownUnit("MPa", 1e6),
-    "s": ShownUnit("ms", 1e-3),
-}
-"""What people read in the place of an SI unit; the others are read as they are."""
-
-ACCEPTED = {unit.name: (si, unit) for si, unit in FOR_PEOPLE.items()} | {"t": ("N", ShownUnit("t", 9810.0))}
-"""Units beside SI in which a study may give values, by name, with the SI unit."""
-
-
-def for_people(si: str) -> ShownUnit:
-    """The unit in which people read a quantity of the SI unit ``si``."""
-    return FOR_PEOPLE.get(si, ShownUnit(si))
-
-
-def text(quantity: str, unit: str) -> str:
-    """A quantity with its unit, as over a column or along an axis."""
-    return f"{quantity} ({unit})" if unit else quantity
-
-
-def meaning(key: str) -> tuple[str, str]:
+def meaning_of(key: str) -> tuple[str, str]:
     """What a dotted scenario key means, and its SI unit; the key itself and no unit if it is not a quantity."""
-    if key == "max_frequency":  # it may be None, so that its declaration stands apart
-        return BAND.meaning.removeprefix("the "), BAND.unit
     owners: set[type] = {Scenario}
     found = (key, "")
     for part in key.split("."):

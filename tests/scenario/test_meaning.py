@@ -1,0 +1,20 @@
+"""What keys of a scenario mean."""
+
+import pytest
+
+from wheelset_track_sim.scenario.meaning import meaning_of
+
+
+@pytest.mark.parametrize(
+    ("key", "meaning"),
+    [
+        ("irregularities.0.h", ("depth", "m")),
+        ("track.sleeper.length", None),
+        ("max_frequency", ("band limit", "Hz")),
+        ("lag_zero", ("lag_zero", "")),
+        ("nothing.at.all", ("nothing.at.all", "")),
+    ],
+)
+def test_meaning_of_keys_comes_from_their_declaration(key: str, meaning: tuple[str, str] | None) -> None:
+    found = meaning_of(key)
+    assert found == meaning or (meaning is None and found[1] == "m")
