@@ -3,15 +3,20 @@
 import dataclasses
 import importlib
 import re
+import shlex
+from contextlib import suppress
+from importlib.util import find_spec
 
 import pytest
 
 from support.paths import ROOT
+from wheelset_track_sim.cli import main
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 FOLDERS = {path.parent.name for path in (ROOT / "wheelset_track_sim").glob("*/__init__.py")}
 
 
@@ -30,10 +35,46 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors(there), link
 
 
-def test_the_readme_leads_to_every_page():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    for page in PAGES:
-        assert page.name == "README.md" or f"]({page.relative_to(ROOT)})" in text, page.name
+def test_readme_and_index_lead_to_every_page():
+    first = [ROOT / "README.md", ROOT / "docs" / "index.md"]
+    linked = {
+        (page.parent / name).resolve() for page in first for name in re.findall(r"\]\(([^)#\s]+)", page.read_text())
+    }
+    assert set(PAGES) - linked == set()
+
+
+def test_readme_is_short():
+    assert len(README.splitlines()) <= 150
+
+
+@pytest.mark.slow
+def test_python_of_the_readme_prints_what_it_shows(capsys):
+    [(code, printed)] = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, re.DOTALL)
+    exec(code, {})
+    assert capsys.readouterr().out == printed
+
+
+def commands_of(page, begin):
+    """Lines of a page's indented blocks that begin with a command, as words."""
+    lines = re.findall(rf"^    {re.escape(begin)} (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return [shlex.split(line, comments=True) for line in lines]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_and_their_options_exist(page, capsys):
+    for command, *arguments in commands_of(page, ".venv/bin/wheelset-track-sim"):
+        if command == "COMMAND" or (command in ("node", "replay") and find_spec("rclpy") is None):
+            continue
+        with suppress(SystemExit):
+            assert main([command, "--help"]) == 0
+        known = set(re.findall(r"--[\w-]+", capsys.readouterr().out))
+        own = arguments[: arguments.index("--ros-args")] if "--ros-args" in arguments else arguments
+        assert {each for each in own if each.startswith("--")} <= known | {"--help"}, command
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    assert {target for target, *_ in commands_of(page, "make")} <= targets
+    for package, file, *_ in commands_of(page, "ros2 launch"):
+        assert package == "wheelset_track_sim"
+        assert (ROOT / "launch" / file).exists(), file
 
 
 def test_the_page_of_the_method_names_what_is_there():
