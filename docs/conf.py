@@ -25,7 +25,7 @@ copyright = f"{author}, Apache License 2.0"  # noqa: A001  (its name in Sphinx)
 version = release = __version__
 extensions = ["myst_parser"]
 root_doc = "docs/index"
-include_patterns = ["*.md", "docs/**.md"]
+include_patterns = ["*.md", "docs/**.md", "examples/README.md"]
 myst_heading_anchors = 4
 html_theme = "furo"
 html_title = f"wheelset-track-sim {release}"  # it breaks at hyphens

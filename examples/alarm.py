@@ -7,6 +7,7 @@ uses a higher threshold of its own.
 """
 
 import sys
+from contextlib import suppress
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -39,12 +40,8 @@ def main() -> None:
     """Watch until Ctrl-C."""
     threshold = 1e3 * float(sys.argv[1]) if len(sys.argv) > 1 else 250e3
     rclpy.init()
-    try:
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
         rclpy.spin(Alarm(threshold))
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@
 The topic `summary` has scalars of each chunk, computed from every step: use it to watch and to plot.
 """
 
+from contextlib import suppress
+
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -33,12 +35,8 @@ class Subscriber(Node):
 def main() -> None:
     """Print until Ctrl-C."""
     rclpy.init()
-    try:
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
         rclpy.spin(Subscriber())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from importlib.util import find_spec
 
 import pytest
 
+import wheelset_track_sim as wts
 from support.paths import ROOT
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.inputs.yaml12 import parse
@@ -72,6 +73,8 @@ def test_commands_and_their_options_exist(page, capsys):
         assert {each for each in own if each.startswith("--")} <= known | {"--help"}, command
     targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     assert {target for target, *_ in commands_of(page, "make")} <= targets
+    for program, *_ in commands_of(page, ".venv/bin/python"):
+        assert program.startswith("-") or (ROOT / program).exists(), program
     for package, file, *_ in commands_of(page, "ros2 launch"):
         assert package == "wheelset_track_sim"
         assert (ROOT / "launch" / file).exists(), file
@@ -112,6 +115,19 @@ def test_the_page_of_scenarios_has_every_key_with_its_range_and_default():
 
 def default_of(field):
     return field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+
+
+@pytest.mark.slow
+def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch):
+    text = (ROOT / "docs" / "tutorials" / "detector.md").read_text(encoding="utf-8")
+    wagon, detector = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "wagon.yaml").write_text(wagon)
+    (tmp_path / "results" / "detector.yaml").write_text(detector)
+    assert len(wts.load_study("results/detector.yaml").runs()) == 7 * 3
+    turn = wts.Simulator(wts.load_scenario("results/wagon.yaml")).advance(3000)
+    assert 230e3 < turn.forces[:, 0].max() < 250e3 < 350e3
 
 
 def test_the_scenario_of_the_page_can_be_used(tmp_path):
