@@ -16,7 +16,7 @@ from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "examples" / "README.md"])
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 FOLDERS = {path.parent.name for path in (ROOT / "wheelset_track_sim").glob("*/__init__.py")}
 
