@@ -3,15 +3,21 @@
 import dataclasses
 import importlib
 import re
+import shlex
+from contextlib import suppress
+from importlib.util import find_spec
 
 import pytest
 
+import wheelset_track_sim as wts
 from support.paths import ROOT
+from wheelset_track_sim.cli import main
 from wheelset_track_sim.inputs.yaml12 import parse
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "examples" / "README.md"])
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 FOLDERS = {path.parent.name for path in (ROOT / "wheelset_track_sim").glob("*/__init__.py")}
 
 
@@ -30,10 +36,48 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors(there), link
 
 
-def test_the_readme_leads_to_every_page():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    for page in PAGES:
-        assert page.name == "README.md" or f"]({page.relative_to(ROOT)})" in text, page.name
+def test_readme_and_index_lead_to_every_page():
+    first = [ROOT / "README.md", ROOT / "docs" / "index.md"]
+    linked = {
+        (page.parent / name).resolve() for page in first for name in re.findall(r"\]\(([^)#\s]+)", page.read_text())
+    }
+    assert set(PAGES) - linked == set()
+
+
+def test_readme_is_short():
+    assert len(README.splitlines()) <= 150
+
+
+@pytest.mark.slow
+def test_python_of_the_readme_prints_what_it_shows(capsys):
+    [(code, printed)] = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, re.DOTALL)
+    exec(code, {})
+    assert capsys.readouterr().out == printed
+
+
+def commands_of(page, begin):
+    """Lines of a page's indented blocks that begin with a command, as words."""
+    lines = re.findall(rf"^    {re.escape(begin)} (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return [shlex.split(line, comments=True) for line in lines]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_and_their_options_exist(page, capsys):
+    for command, *arguments in commands_of(page, ".venv/bin/wheelset-track-sim"):
+        if command == "COMMAND" or (command in ("node", "replay") and find_spec("rclpy") is None):
+            continue
+        with suppress(SystemExit):
+            assert main([command, "--help"]) == 0
+        known = set(re.findall(r"--[\w-]+", capsys.readouterr().out))
+        own = arguments[: arguments.index("--ros-args")] if "--ros-args" in arguments else arguments
+        assert {each for each in own if each.startswith("--")} <= known | {"--help"}, command
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    assert {target for target, *_ in commands_of(page, "make")} <= targets
+    for program, *_ in commands_of(page, ".venv/bin/python"):
+        assert program.startswith("-") or (ROOT / program).exists(), program
+    for package, file, *_ in commands_of(page, "ros2 launch"):
+        assert package == "wheelset_track_sim"
+        assert (ROOT / "launch" / file).exists(), file
 
 
 def test_the_page_of_the_method_names_what_is_there():
@@ -71,6 +115,19 @@ def test_the_page_of_scenarios_has_every_key_with_its_range_and_default():
 
 def default_of(field):
     return field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+
+
+@pytest.mark.slow
+def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch):
+    text = (ROOT / "docs" / "tutorials" / "detector.md").read_text(encoding="utf-8")
+    wagon, detector = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "wagon.yaml").write_text(wagon)
+    (tmp_path / "results" / "detector.yaml").write_text(detector)
+    assert len(wts.load_study("results/detector.yaml").runs()) == 7 * 3
+    turn = wts.Simulator(wts.load_scenario("results/wagon.yaml")).advance(3000)
+    assert 230e3 < turn.forces[:, 0].max() < 250e3 < 350e3
 
 
 def test_the_scenario_of_the_page_can_be_used(tmp_path):
