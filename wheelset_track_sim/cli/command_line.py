@@ -156,14 +156,14 @@ def _matching(options: argparse.Namespace) -> Matching:
 
 
 def _reading(options: argparse.Namespace) -> Reading:
-    from ..inputs.units import value_of
+    from ..inputs.amounts import amount
     from ..twin.measured import Reading
     from ..twin.measured.measurement import WHEELS
 
     offsets: dict[str, float] = {}
     for text in options.offset:
         wheel, equals, force = text.rpartition("=")
-        value = value_of(force, "force", "--offset")
+        value = amount(force, "N", "--offset")
         offsets |= {wheel.strip(): value} if equals else dict.fromkeys(WHEELS, value)
     columns = {}
     for text in options.column:

@@ -12,6 +12,7 @@ from rich.table import Table as RichTable
 
 from ..errors import WheelsetTrackError
 from ..inputs import shipped
+from ..inputs.schema import confirmed_numbers
 from ..runtime.progress import Progress
 from ..scenario import Scenario, scenario_from
 from ..studies.conduct import Resources, conduct
@@ -56,7 +57,8 @@ def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
     """A study with all its scenarios; raises InputError for what cannot be used."""
     what = load_study(name)
     runs = what.runs(changes)
-    scenario = scenario_from(what.base(changes))
+    with confirmed_numbers():
+        scenario = scenario_from(what.base(changes))
     short = Path(name).stem
     return Task(short, what, scenario, runs, out or RESULTS / _folder(short, scenario, runs, changes))
 
