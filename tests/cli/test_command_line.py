@@ -21,6 +21,8 @@ def test_run_prints_one_json_object(capsys: pytest.CaptureFixture[str]) -> None:
     assert result["real_time_factor"] == pytest.approx(result["simulated_s"] / result["wall_s"])
     assert result["scenario"] == "damage_wheel_1"
     assert len(result["digest"]) == 32
+    assert (result["speed_m_s"], result["axle_load_N"]) == (27.7777778, 196200.0)
+    assert (result["wheelset"], result["track"]) == ("x40", "ballasted_60e1")
     assert set(result["wheels"]) == {"wheel_1", "wheel_2"}
     assert set(result["wheels"]["wheel_1"]) == {"max_force_N", "min_force_N", "contact_loss_s"}
     assert set(result["nodes"]) == {"A1", "B1", "C1"}
@@ -45,7 +47,10 @@ def test_smooth_wheels_run_near_102_kn_and_the_statics(capsys: pytest.CaptureFix
 def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = tmp_path / "run.mcap"
     assert main(["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]) == 0
-    assert "contact force wheel_1" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "108 km/h, 196.2 kN axle load (20 t), x40 on ballasted_60e1" in printed
+    assert "contact force wheel_1" in printed
+    assert max(map(len, printed.splitlines())) <= 80
     recording = read_bag(bag)
     assert len(recording) == 3600
     assert np.all(np.diff(recording.steps) == 1)
@@ -103,7 +108,7 @@ def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit):
         main(["--help"])
     commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
-    assert len(commands) == 12
+    assert len(commands) == 14
     for name, words in commands:
         with pytest.raises(SystemExit):
             main([name, "--help"])

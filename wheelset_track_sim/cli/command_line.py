@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 
 from ..errors import InputError
 from ..inputs import shipped
@@ -27,9 +29,43 @@ NO_PARAMETERS = ("command", "ros_arguments", "warnings")
 """Options of ``replay`` that are no parameters of its node."""
 OLD_RESIMULATE = "--simulate-again"
 """Option that made ``replay`` simulate a bag again."""
+EXAMPLES = "examples:"
+USES = {
+    "list": ["", "scenarios", "track --json"],
+    "init": ["scenario flat_fresh", "scenario damage_wheel_1 mine.yaml", "wheelset x40 my_wheelset.yaml"],
+    "run": [
+        "damage_wheel_1",
+        "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
+        "mine.yaml --duration 2 --out run.mcap",
+    ],
+    "show": ["mixed", "mine.yaml --out mine.png --overwrite"],
+    "study": ["load_cases", "depth --dynamics paper --workers 2", "mine.yaml --out results/mine"],
+    "report": ["run.mcap", "run.mcap --measured wayside.csv --out page.html"],
+    "resimulate": ["run.mcap", "run.mcap --set 'wheel_1.damage.h=1 mm'"],
+    "recover": ["damaged.mcap", "damaged.mcap --out whole.mcap"],
+    "info": ["run.mcap", "run.mcap --json"],
+    "compare": ["run.mcap wayside.csv", "run.mcap wayside.csv --unit kN --offset 'wheel_1=10 t'"],
+    "stress": ["wayside.csv --wheelset trailer", "wayside.csv --speed 25 --nodes A1,B1 --out stress.csv"],
+    "cache": ["", "--clear", "--clear kernels"],
+    "demo": ["", "--out demo"],
+    "replay": ["run.mcap --rate 2 --loop", "run.mcap --ros-args -r __node:=replay"],
+}
+"""Arguments of each command in its examples."""
+
+
+class _Help(argparse.HelpFormatter):
+    """Wraps descriptions, and keeps the lines of examples."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if not text.startswith(EXAMPLES):
+            return super()._fill_text(text, width, indent)
+        return "\n".join(indent + line for line in text.splitlines())
 
 
 class _Parser(argparse.ArgumentParser):
+    def __init__(self, **options: Any) -> None:
+        super().__init__(formatter_class=_Help, **options)
+
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}: see {self.prog} --help")
 
@@ -52,7 +88,10 @@ def _run_command(given: list[str]) -> int:
         if given[:1] == ["node"]:  # its arguments are those of every ROS node
             return _node(given[1:])
         own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
-        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
+        parser = _parser()
+        if "_ARGCOMPLETE" in os.environ:  # a shell asks how the line can go on
+            import_module("argcomplete").autocomplete(parser)
+        options = parser.parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
         if getattr(options, "out", None) is not None:
             require_folder(options.out)
         command: Callable[[argparse.Namespace], int] = options.command
@@ -83,6 +122,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog=PROGRAM, description="Wheel-rail impact loads and axle stresses of damaged wheels.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    _add_list(commands)
+    _add_init(commands)
     _add_run(commands)
     _add_show(commands)
     _add_study(commands)
@@ -101,15 +142,21 @@ def _parser() -> argparse.ArgumentParser:
 
 def _command(commands: _Commands, name: str, what: str, details: str = "") -> _Parser:
     description = f"{what[0].upper()}{what[1:]}. {details}".strip()
-    return commands.add_parser(name, help=what, description=description)
+    return commands.add_parser(name, help=what, description=description, epilog=_examples(name))
+
+
+def _examples(name: str) -> str:
+    """Examples of a command, a line each."""
+    return "\n".join([EXAMPLES, *(f"  {PROGRAM} {name} {line}".rstrip() for line in USES[name])])
 
 
 def _takes_bag(command: _Parser, and_then: str = "") -> None:
     command.add_argument("bag", type=Path, metavar="BAG", help=f"an .mcap file or a bag folder{and_then}")
 
 
-def _takes_changes(command: _Parser, what: str = "change a key, such as speed=30") -> None:
-    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=what)
+def _takes_changes(command: _Parser, what: str = "change a key, such as 'speed=100 km/h'") -> None:
+    keys = "docs/scenarios.md lists the keys; numbers are in SI or have a unit"
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what} ({keys})")
 
 
 def _takes_threshold(command: _Parser, where: str = "") -> None:
@@ -182,10 +229,58 @@ def _may_overwrite(command: _Parser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace files that exist already")
 
 
+def _add_list(commands: _Commands) -> None:
+    listing = _command(commands, "list", "what comes with the package, a line each")
+    _takes_kind(listing, nargs="?", default=None)
+    _takes_json(listing, "tables")
+    listing.set_defaults(command=_list)
+
+
+def _takes_shipped(command: _Parser, name: str, further: str = "") -> None:
+    kind = shipped.kind_of(name)
+    what = f"a file, or the name of a shipped one (see list {kind}){further}"
+    named = command.add_argument(name, metavar=name.upper(), help=what)
+    _completed(named, lambda prefix, **_: [*shipped.names(kind), *map(str, Path().glob(f"{prefix}*"))])
+
+
+def _completed(argument: argparse.Action, completer: Callable[..., list[str]]) -> None:
+    """Let shells complete an argument."""
+    argument.completer = completer  # type: ignore[attr-defined]
+
+
+def _takes_kind(command: _Parser, **options: Any) -> None:
+    kinds = [shipped.singular(kind) for kind in shipped.kinds()]
+    kind = command.add_argument("kind", metavar="KIND", help=f"one of {', '.join(kinds)}", **options)
+    _completed(kind, lambda **_: kinds)
+
+
+def _list(options: argparse.Namespace) -> int:
+    from .listing import listed
+
+    return listed(options.kind, json=options.json)
+
+
+def _add_init(commands: _Commands) -> None:
+    init = _command(commands, "init", "copy a shipped scenario, wheelset, track, vehicle or study to a file to edit")
+    _takes_kind(init)
+    name = init.add_argument("name", metavar="NAME", help="name of a shipped one: see list KIND")
+    _completed(name, lambda parsed_args, **_: shipped.names(shipped.kind_of(parsed_args.kind)))
+    init.add_argument("file", type=Path, nargs="?", metavar="FILE", help="the copy (default: NAME.yaml in this folder)")
+    _may_overwrite(init)
+    init.set_defaults(command=_init)
+
+
+def _init(options: argparse.Namespace) -> int:
+    from .init import init
+
+    if options.file is not None:
+        require_folder(options.file)
+    return init(options.kind, options.name, options.file, PROGRAM, overwrite=options.overwrite)
+
+
 def _add_run(commands: _Commands) -> None:
     run = _command(commands, "run", "simulate without ROS, as fast as possible")
-    names = ", ".join(shipped.names("scenarios"))
-    run.add_argument("scenario", metavar="SCENARIO", help=f"a file, or one of {names}")
+    _takes_shipped(run, "scenario")
     _takes_changes(run)
     run.add_argument("--dynamics", help="causal (which streams) or paper (Green's functions as printed)")
     run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
@@ -244,7 +339,7 @@ def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, Impac
 
 def _add_show(commands: _Commands) -> None:
     show = _command(commands, "show", "a picture of a scenario: treads, rails, profiles, supports, wheelset")
-    show.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped one")
+    _takes_shipped(show, "scenario")
     _takes_changes(show)
     show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
     _may_overwrite(show)
@@ -259,8 +354,7 @@ def _show(options: argparse.Namespace) -> int:
 
 def _add_study(commands: _Commands) -> None:
     study = _command(commands, "study", "a parameter study: runs, figures, tables, summary")
-    names = ", ".join(shipped.names("studies"))
-    study.add_argument("study", metavar="STUDY", help=f"a file, one of {names}, or all of these")
+    _takes_shipped(study, "study", ", or all of these")
     study.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the results (default: results/STUDY-DYNAMICS)"
     )
@@ -314,8 +408,9 @@ def _add_replay(commands: _Commands) -> None:
         "replay",
         help="play a bag on the topics on which it was recorded",
         usage="%(prog)s [OPTION ...] BAG [--ros-args -p NAME:=VALUE -r FROM:=TO ...]",
-        description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter.",
-        epilog=f"To simulate its run again, use {PROGRAM} resimulate; replay {OLD_RESIMULATE} is the old name of that.",
+        description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter. "
+        f"To simulate its run again, use {PROGRAM} resimulate; replay {OLD_RESIMULATE} is the old name of that.",
+        epilog=_examples("replay"),
     )
     replay.add_argument("bag", type=Path, nargs="?", metavar="BAG", help="an .mcap file or a bag folder")
     replay.add_argument("--rate", type=float, metavar="R", help="times as fast (default: 1; 0: as fast as possible)")

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError
+from ..inputs.amounts import in_unit
 from ..live.run_messages import record
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
@@ -70,11 +71,12 @@ def run(
             contacts.push(simulator, block)
             if push is not None:
                 push(block, part)
-            progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
+            share = simulator.next_step / (simulator.next_step + left - len(block))
+            progress(f"simulate {what.name}, {simulator.time:.2f} of {simulator.time / share:.2f} s", share)
         wall = time.perf_counter() - started
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
-    result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings]}
+    result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
     print_object(result) if json else terminal().print(table(result))
     return 0
 
@@ -94,6 +96,16 @@ def as_mapping(totals: Summary, simulated: float, wall: float) -> dict[str, Any]
         "wall_s": wall,
         "real_time_factor": simulated / wall,
         **peaks(totals),
+    }
+
+
+def conditions(scenario: Scenario) -> dict[str, Any]:
+    """What ran on what, and how fast at the start."""
+    return {
+        "speed_m_s": scenario.speed,
+        "axle_load_N": scenario.axle_load,
+        "wheelset": scenario.wheelset.name,
+        "track": scenario.track.name,
     }
 
 
@@ -130,7 +142,10 @@ def pressures(scenario: Scenario, contacts: Contacts) -> dict[str, Any]:
 def table(result: dict[str, Any]) -> Table:
     """The same for people: kN, MPa, ms."""
     shown_as = Table(
-        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time"
+        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time\n"
+        f"{in_unit(result['speed_m_s'], 'km/h', 'm/s')}, {in_unit(result['axle_load_N'], 'kN', 'N')} axle load "
+        f"({in_unit(result['axle_load_N'], 't', 'N')}), {result['wheelset']} on {result['track']}",
+        title_justify="left",
     )
     for heading in ("", "maximum", "minimum", "contact loss"):
         shown_as.add_column(heading, justify="right" if heading else "left")
