@@ -140,3 +140,24 @@ def test_an_interrupted_run_leaves_a_readable_bag(tmp_path: Path) -> None:
     assert process.returncode == 1
     assert "interrupted" in errors.splitlines()[-1]
     assert len(read_bag(bag)) > 1000
+
+
+def test_run_writes_tables_by_the_suffix(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, bag = tmp_path / "run.csv", tmp_path / "run"
+    for out in (table, bag):
+        assert main(["run", "undamaged", "--duration", "0.01", "--json", "--out", str(out)]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run", "run.csv"]
+    assert json.loads(capsys.readouterr().out.splitlines()[0])["steps"] == 278
+    heading, *rows = table.read_text(encoding="utf-8").splitlines()
+    assert heading.startswith("time [s],step,position [m]")
+    assert len(rows) == len(read_bag(bag)) == 278
+    assert float(rows[-1].split(",")[5]) == read_bag(bag).forces[-1, 0]
+    for arguments, words in (
+        (["--out", str(tmp_path / "result.txt")], "ends in .txt, which is no form of results"),
+        (["--out", str(table)], "run.csv exists already"),
+        (["--out", str(tmp_path / "new.csv"), "--snapshots", "1"], "new.csv is a table: options of bags need a bag"),
+        (["--out", "/proc/run.csv"], "/proc/run.csv cannot be written"),
+    ):
+        assert main(["run", "undamaged", *arguments]) == 2
+        assert words in capsys.readouterr().err.splitlines()[-1]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run", "run.csv"]

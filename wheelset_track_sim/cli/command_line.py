@@ -37,8 +37,9 @@ USES = {
         "damage_wheel_1",
         "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
         "mine.yaml --duration 2 --out run.mcap",
+        "mine.yaml --out run.csv",
     ],
-    "show": ["mixed", "mine.yaml --out mine.png --overwrite"],
+    "show": ["mixed", "mine.yaml --out mine.pdf --overwrite"],
     "study": ["load_cases", "depth --dynamics paper --workers 2", "mine.yaml --out results/mine"],
     "report": ["run.mcap", "run.mcap --measured wayside.csv --out page.html"],
     "resimulate": ["run.mcap", "run.mcap --set 'wheel_1.damage.h=1 mm'"],
@@ -284,7 +285,12 @@ def _add_run(commands: _Commands) -> None:
     _takes_changes(run)
     run.add_argument("--dynamics", help="causal (which streams) or paper (Green's functions as printed)")
     run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
-    run.add_argument("--out", type=Path, metavar="BAG", help="record the run: FILE.mcap, or the folder of a bag")
+    run.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="keep the run: a bag (FILE.mcap, or a folder without suffix), or a table (.csv, .parquet, .xlsx, .nc)",
+    )
     run.add_argument("--split-size", type=int, metavar="BYTES", help="size at which the bag goes on in another file")
     run.add_argument("--split-duration", type=float, metavar="S", help="time of the run after which it does")
     run.add_argument("--max-total-size", type=int, metavar="BYTES", help="above it the oldest files are removed")
@@ -341,7 +347,7 @@ def _add_show(commands: _Commands) -> None:
     show = _command(commands, "show", "a picture of a scenario: treads, rails, profiles, supports, wheelset")
     _takes_shipped(show, "scenario")
     _takes_changes(show)
-    show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
+    show.add_argument("--out", type=Path, metavar="FILE", help="the picture: .png, .svg or .pdf (default: NAME.png)")
     _may_overwrite(show)
     show.set_defaults(command=_show)
 
@@ -364,6 +370,7 @@ def _add_study(commands: _Commands) -> None:
     study.add_argument(
         "--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://host:8786, does the runs"
     )
+    study.add_argument("--parquet", action="store_true", help="write tables as Parquet, too (extra analysis)")
     study.set_defaults(command=_study)
 
 
@@ -372,13 +379,17 @@ def _study(options: argparse.Namespace) -> int:
     from .study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return study(options.study, changes, options.out, Resources(options.workers, options.scheduler))
+    resources = Resources(options.workers, options.scheduler)
+    return study(options.study, changes, options.out, resources, parquet=options.parquet)
 
 
 def _add_report(commands: _Commands) -> None:
     report = _command(commands, "report", "a page and a table of a bag")
     _takes_bag(report)
     report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
+    report.add_argument(
+        "--picture", type=Path, metavar="FILE", help="the picture: .png, .svg or .pdf (default: .png beside the page)"
+    )
     _takes_threshold(report)
     report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
     _takes_place(report)
@@ -399,6 +410,7 @@ def _report(options: argparse.Namespace) -> int:
         options.measured,
         _matching(options),
         _reading(options),
+        picture=options.picture,
         overwrite=options.overwrite,
     )
 

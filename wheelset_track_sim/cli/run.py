@@ -11,6 +11,7 @@ from typing import Any
 
 from rich.table import Table
 
+from ..bags.exports import check_steps, exported, form_of
 from ..bags.settings import RecordSettings
 from ..errors import InputError
 from ..inputs.amounts import in_unit
@@ -47,19 +48,25 @@ def run(
 ) -> int:
     """Simulate a scenario and print its peaks; returns the exit status.
 
-    ``settings`` say how it is recorded to ``out``, ``impacts`` defines an impact there. ``warnings`` grow during the
-    run.
+    ``out`` is a bag, or a table by its suffix. ``settings`` say how a bag is recorded, ``impacts`` defines an impact
+    there. ``warnings`` grow during the run.
     """
     what = load_scenario(scenario, changes)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
+    bag, form = out, None if out is None else form_of(out)
+    if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
+        raise InputError(f"--out {out} is a table: options of bags need a bag, such as {out.with_suffix('.mcap')}")
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
+        if out is not None and form is not None:
+            check_steps(out, form, steps_left(simulator, duration))
+            bag = stack.enter_context(exported(out, form))
         simulator.settle()
         push: Callable[[SampleBlock, Summary], None] | None = None
-        if out is not None:
-            push = stack.enter_context(record(out, simulator, settings=settings, impacts=impacts))
+        if bag is not None:
+            push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts))
         chunk = CHUNK if push else LONG_CHUNK
         started = time.perf_counter()
         totals: Summary | None = None
