@@ -49,6 +49,14 @@ USES = {
     "stress": ["wayside.csv --wheelset trailer", "wayside.csv --speed 25 --nodes A1,B1 --out stress.csv"],
     "cache": ["", "--clear", "--clear kernels"],
     "demo": ["", "--out demo"],
+    "get": ["", "speed wheel_1.damage.h", "--node /train/w1 axle_load"],
+    "set": ["'speed=120 km/h'", "wheel_1.damage.a=0.02 'wheel_1.damage.h=1 mm'"],
+    "call": [
+        "pause",
+        "set_speed speed=30 acceleration=1",
+        "set_tread_damage 'damage=[{wheel: 1, a: 0.02, b: 0.016, h: 0.001}]'",
+    ],
+    "echo": ["summary", "state --count 1 --full", "contact_forces --json"],
     "replay": ["run.mcap --rate 2 --loop", "run.mcap --ros-args -r __node:=replay"],
 }
 """Arguments of each command in its examples."""
@@ -78,8 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
-    # A node that is told to end before it has anything to close ends in order.
-    interrupted = 0 if given[:1] in (["node"], ["replay"]) else FAILED
+    # A node that is told to end before it has anything to close ends in order; a topic has no end of its own.
+    interrupted = 0 if given[:1] in (["node"], ["replay"], ["echo"]) else FAILED
     return status_of(partial(_run_command, given), PROGRAM, interrupted)
 
 
@@ -131,6 +139,10 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
     _add_report(commands)
     _add_replay(commands)
+    _add_get(commands)
+    _add_set(commands)
+    _add_call(commands)
+    _add_echo(commands)
     _add_resimulate(commands)
     _add_recover(commands)
     _add_info(commands)
@@ -441,6 +453,73 @@ def _replay(options: argparse.Namespace) -> int:
 
     parameters = {name: value for name, value in vars(options).items() if name not in NO_PARAMETERS}
     return replay(ros_arguments=options.ros_arguments, **parameters)
+
+
+def _of_node(command: _Parser) -> None:
+    command.add_argument("--node", default="wheelset_track_sim", metavar="NAME", help="of the node, with its namespace")
+    command.add_argument(
+        "--timeout", type=float, default=10.0, metavar="S", help="longest time to wait for the node (default: 10)"
+    )
+
+
+def _add_get(commands: _Commands) -> None:
+    get = _command(commands, "get", "parameters of a running node, where there is no ros2")
+    get.add_argument("parameters", nargs="*", metavar="NAME", help="names (default: all)")
+    _of_node(get)
+    _takes_json(get, "YAML")
+    get.set_defaults(command=_get)
+
+
+def _get(options: argparse.Namespace) -> int:
+    from .nodes import get
+
+    return get(options.node, options.parameters, options.timeout, json=options.json)
+
+
+def _add_set(commands: _Commands) -> None:
+    setting = _command(commands, "set", "set parameters of a running node, all or none")
+    setting.add_argument("changes", nargs="+", metavar="NAME=VALUE", help="in SI, or with a unit: 'speed=100 km/h'")
+    _of_node(setting)
+    setting.set_defaults(command=_set)
+
+
+def _set(options: argparse.Namespace) -> int:
+    from .nodes import set_parameters
+
+    return set_parameters(options.node, options.changes, options.timeout)
+
+
+def _add_call(commands: _Commands) -> None:
+    call = _command(commands, "call", "call a service of a running node", "The exit status is 1 if it has no success.")
+    call.add_argument("service", metavar="SERVICE", help="such as pause or set_speed: docs/interface.md lists them")
+    call.add_argument("fields", nargs="*", metavar="FIELD=VALUE", help="fields of the request in SI, as YAML")
+    _of_node(call)
+    _takes_json(call, "YAML")
+    call.set_defaults(command=_call)
+
+
+def _call(options: argparse.Namespace) -> int:
+    from .nodes import call
+
+    return call(options.node, options.service, options.fields, options.timeout, json=options.json)
+
+
+def _add_echo(commands: _Commands) -> None:
+    echo = _command(commands, "echo", "messages of a topic of a running node, until an interrupt")
+    echo.add_argument("topic", metavar="TOPIC", help="such as summary or state: docs/interface.md lists them")
+    echo.add_argument("--count", type=int, metavar="N", help="end after N messages")
+    echo.add_argument("--full", action="store_true", help="print long lists of numbers whole")
+    _of_node(echo)
+    _takes_json(echo, "YAML")
+    echo.set_defaults(command=_echo)
+
+
+def _echo(options: argparse.Namespace) -> int:
+    from .nodes import echo
+
+    if options.count is not None and options.count < 1:
+        raise InputError(f"--count {options.count} is out of range: give 1 or more")
+    return echo(options.node, options.topic, options.count, options.timeout, json=options.json, full=options.full)
 
 
 def _add_resimulate(commands: _Commands) -> None:

@@ -78,13 +78,15 @@ def override(data: dict[str, Any], change: str) -> None:
     assign(data, *change_of(change), "--set ")
 
 
-def change_of(change: str) -> tuple[str, Any]:
-    """Dotted key and plain value of ``dotted.key=value``."""
+def change_of(change: str, option: str = "--set") -> tuple[str, Any]:
+    """Dotted key and plain value of ``dotted.key=value``; ``option`` names it in messages."""
     key, equals, text = change.partition("=")
     key = key.strip()
     if not equals or not key:
-        raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
-    return key, parse(text, f"the value of --set {key}")
+        raise InputError(
+            f"{option} {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001"
+        )
+    return key, parse(text, f"the value of {option} {key}")
 
 
 def suspect(key: str, value: Any, where: str) -> None:
