@@ -84,7 +84,7 @@ def run(
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
     result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
-    print_object(result) if json else terminal().print(table(result))
+    print_object(result) if json else terminal().print(table(result, " at the start" if what.speed_plan else ""))
     return 0
 
 
@@ -146,13 +146,15 @@ def pressures(scenario: Scenario, contacts: Contacts) -> dict[str, Any]:
     return found
 
 
-def table(result: dict[str, Any]) -> Table:
-    """The same for people: kN, MPa, ms."""
+def table(result: dict[str, Any], when: str = "") -> Table:
+    """The same for people: kN, MPa, ms; ``when`` the wheelset has the speed, if not always."""
+    speed, load = in_unit(result["speed_m_s"], "km/h", "m/s"), result["axle_load_N"]
     shown_as = Table(
         title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time\n"
-        f"{in_unit(result['speed_m_s'], 'km/h', 'm/s')}, {in_unit(result['axle_load_N'], 'kN', 'N')} axle load "
-        f"({in_unit(result['axle_load_N'], 't', 'N')}), {result['wheelset']} on {result['track']}",
+        f"{speed}{when}, {in_unit(load, 'kN', 'N')} axle load ({in_unit(load, 't', 'N')}), "
+        f"{result['wheelset']} on {result['track']}",
         title_justify="left",
+        caption_justify="left",
     )
     for heading in ("", "maximum", "minimum", "contact loss"):
         shown_as.add_column(heading, justify="right" if heading else "left")
