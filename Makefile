@@ -2,7 +2,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check search lint validation gallery bench clean distclean
+.PHONY: help setup demo test check search fuzz lint validation gallery bench clean distclean
 
 help:
 	@echo "make demo        set up if needed, simulate the damaged wheel, show a picture and a table"
@@ -11,6 +11,7 @@ help:
 	@echo "make test        set up if needed, run all tests"
 	@echo "make lint        set up if needed, run ruff and mypy"
 	@echo "make search      run the property tests with thousands of random examples"
+	@echo "make fuzz        read ten thousand mutants of every kind of input: an hour"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
 	@echo "make gallery     redraw docs/gallery.md with every shipped scenario: ten minutes"
 	@echo "make bench       measure speed and memory, rewrite docs/performance.md: a quarter of an hour"
@@ -33,6 +34,10 @@ check: lint
 search:
 	@$(PYTHON) tools/setup_env.py test
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m "hypothesis" --hypothesis-profile search
+
+fuzz:
+	@$(PYTHON) tools/setup_env.py test
+	$(BIN)/python -m pytest -n 2 --dist worksteal tests/fuzz --hypothesis-profile fuzz $(ARGS)
 
 validation:
 	@$(PYTHON) tools/setup_env.py test

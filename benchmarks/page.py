@@ -295,11 +295,37 @@ def _span(r: Results, name: str) -> str:
     return "–" if least is None or most is None else f"{least:.0f} to {most:.0f} MB"
 
 
+GOALS = {"rough_wheel": 0.33, "rail_roughness": 0.33, "polygon": 0.4, "measured_tread": 0.4, "mixed": 0.4}
+"""Of the filter, by case: share of the factor of smooth wheels."""
+
+
+def contact_filter(r: Results) -> str:
+    """Rough and out-of-round wheels against smooth ones."""
+    rows = []
+    for run in r.facts("test_filter["):
+        goal, found = GOALS.get(run["case"]), run["to_smooth"]
+        rows.append(
+            (
+                run["case"].replace("_", " "),
+                _times(run["real_time_factor"]),
+                number(found, 2),
+                "–" if goal is None else number(goal, 2),
+                "–" if goal is None else _met(found, goal),
+                number(run["solved_to_smooth"], 2),
+                f"{100 * run['share_filtered']:.1f} %",
+                f"{run['largest_estimate']:.0f} N",
+            )
+        )
+    heads = ("case", "factor", "to smooth", "goal", "met", "solved, to smooth", "filtered", "largest estimate")
+    return table(heads, rows)
+
+
 SECTIONS: dict[str, Callable[[Results], str]] = {
     "machine": machine,
     "goals": goals,
     "profile": profile,
     "reference": reference,
+    "filter": contact_filter,
     "scaling": scaling,
     "contact": contact,
     "more": more,

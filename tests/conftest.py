@@ -17,6 +17,7 @@ from wheelset_track_sim.simulation.simulator import Simulator
 settings.register_profile("same", deadline=None, derandomize=True)
 settings.register_profile("quick", deadline=None, max_examples=20)
 settings.register_profile("search", deadline=None, max_examples=2000)
+settings.register_profile("fuzz", deadline=None, max_examples=10_000)
 settings.load_profile("same")
 
 

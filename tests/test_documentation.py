@@ -78,3 +78,9 @@ def test_the_scenario_of_the_page_can_be_used(tmp_path):
     example = "\n".join(re.findall(r"^    (?!\.venv)(.*)$", text, re.MULTILINE))
     (tmp_path / "mine.yaml").write_text(example, encoding="utf-8")
     assert load_scenario(tmp_path / "mine.yaml", ["irregularities.0.h=0.001"]).irregularities[0].h == 0.001
+
+
+def test_promises_of_security_name_tests_that_exist() -> None:
+    named = re.findall(r"`(tests/[\w/.]+)`", (ROOT / "SECURITY.md").read_text())
+    assert len(named) > 10
+    assert [path for path in named if not (ROOT / path).exists()] == []

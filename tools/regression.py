@@ -59,6 +59,7 @@ def compare(other: Path, names: list[str]) -> int:
 
 def arrays_of(root: Path, name: str, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Forces and stresses of a run by the command line of a checkout, with its models in ``folder``."""
+    folder.mkdir(exist_ok=True)
     bag = folder / f"{name}.mcap"
     duration = (STEPS - 0.5) * load_scenario(name).step_period
     done = subprocess.run(

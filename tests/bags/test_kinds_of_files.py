@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.opcode import Opcode
+from mcap.writer import CompressionType
 
 from support.rewriting import KINDS, Kind, entries_of, write
 from wheelset_track_sim.bags import Recording, read_bag
@@ -75,6 +77,29 @@ def test_any_kind_of_file_holds_the_run(folder: Path, source: Source, kind: Kind
     assert (saved.steps, saved.messages, saved.losses, saved.chunks_lost) == (STEPS, len(entries), (), 0)
     assert_part(read_bag(saved.path), whole, slice(None))
     saved.path.unlink()
+
+
+@pytest.mark.parametrize("chunked", [True, False])
+def test_messages_that_were_compressed_one_by_one_are_unpacked(tmp_path: Path, source: Source, chunked: bool) -> None:
+    """As rosbag2 does with ``--compression-mode message``."""
+    packed = [entry._replace(data=zstandard.compress(entry.data)) for entry in source.entries]
+    kind = Kind(chunked=chunked, compression=CompressionType.NONE)
+    path = write(tmp_path / "run.mcap", packed, source.records, kind)
+    assert_part(read_bag(path), source.run, slice(None))
+    assert overview(path).complete
+    with RecordedBag(path) as bag:
+        played = [item[:3] for item in bag.messages(0, 2**62, {*bag.topics})]
+    assert sorted(played) == sorted((entry.time_ns, entry.topic, entry.data) for entry in source.entries)
+    saved = recover(path, tmp_path / "saved.mcap")
+    assert {entry.data for entry in entries_of(saved.path)[0]} == {entry.data for entry in source.entries}
+
+
+def test_a_message_that_unpacks_to_too_much_is_damage(tmp_path: Path, source: Source) -> None:
+    bomb = source.entries[1]._replace(data=zstandard.compress(bytes(3 << 28)))
+    path = write(tmp_path / "run.mcap", [source.entries[0], bomb, *source.entries[2:]], source.records)
+    losses: list[object] = []
+    assert len(read_bag(path, lost=losses.append)) == STEPS - LENGTH
+    assert losses
 
 
 def test_a_flipped_bit_outside_of_chunks_is_seen_where_there_is_a_checksum(tmp_path: Path, source: Source) -> None:

@@ -174,3 +174,19 @@ def test_each_revision_once_in_their_order():
     found = revisions_of(told)
     assert [(item.number, item.step) for item in found] == [(0, 0), (1, 50), (3, 90)]
     assert [item.changed for item in found] == [(), (("a", 1, 2),), (("b", None, {"c": 1}),)]
+
+
+def test_a_bag_of_each_tenth_step_is_complete_and_says_so(tmp_path, run_info, make_block):
+    path = tmp_path / "thin.mcap"
+    with BagWriter(path, run_info, start_ns=0) as writer:
+        for first in (0, 2000, 4000):
+            block = make_block(first, 200, time=first * 3.6e-5)
+            writer.write(dataclasses.replace(block, decimation=10, step_period=10 * block.step_period))
+    found = overview(path)
+    assert found.complete, found.losses
+    assert found.steps == 6000
+    assert found.duration == pytest.approx(6000 * 36e-6, rel=1e-6)
+    assert any("they do not have samples at each step" in line for line in found.unchecked)
+    thin = [message for message in stored(path) if message.log_time != round(2000 * 36e-6 * 1e9)]
+    gap = overview(copied(tmp_path / "gap.mcap", thin))
+    assert [str(loss).partition(" (")[0] for loss in gap.gaps] == ["steps 2000 to 3999 are missing"]

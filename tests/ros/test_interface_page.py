@@ -84,6 +84,12 @@ def relative(name):
     return name.replace(f"/{NODE}/", "~/")
 
 
+def known(client):
+    """The graph as the client sees it, from when the node is in it."""
+    client.until(lambda: (NODE, "/") in client.node.get_node_names_and_namespaces())
+    return client.node
+
+
 def topics_of(graph):
     """Topics of the running node with what a subscriber or a publisher must know."""
     found = set()
@@ -138,9 +144,9 @@ def test_page_is_the_running_node_and_the_running_node_is_the_page(start, client
     own = {"publish_clock": "false"}  # what this test has set
     running = {item._replace(default=own.get(item.parameter, item.default)) for item in parameters_of(client)}
     assert running == parameters_of_page()
-    assert services_of(client.node) == {Service(row["service"], row["type"]) for row in rows("Services")}
+    assert services_of(known(client)) == {Service(row["service"], row["type"]) for row in rows("Services")}
     followed = {item for item in topics_of_page() if (item.topic, item.direction) == ("/clock", "in")}
-    assert topics_of(client.node) == topics_of_page() - followed
+    assert topics_of(known(client)) == topics_of_page() - followed
 
 
 def test_page_is_a_running_replay_too(start, client, short_bag):
@@ -152,7 +158,7 @@ def test_page_is_a_running_replay_too(start, client, short_bag):
     wanted = {Service(row["service"], row["type"]) for row in rows("Services of the replay")}
     if importlib.util.find_spec("rosbag2_interfaces") is None:
         wanted = {item for item in wanted if "rosbag2" not in item.type}
-    found = services_of(client.node)
+    found = services_of(known(client))
     assert {item for item in found if item.service not in of_every_node | {"~/get_type_description"}} == wanted
     assert of_every_node <= {item.service for item in found}
     recorded = {
@@ -164,7 +170,7 @@ def test_page_is_a_running_replay_too(start, client, short_bag):
         "~/impacts",
     }
     played = {*recorded, "~/state", "/clock", "/rosout", "/parameter_events"}
-    assert topics_of(client.node) == {
+    assert topics_of(known(client)) == {
         item for item in topics_of_page() if item.topic in played and item.direction == "out"
     }
 
@@ -172,7 +178,7 @@ def test_page_is_a_running_replay_too(start, client, short_bag):
 def test_clock_is_followed_where_it_is_asked_for(start, client):
     start(use_sim_time="true", autostart="false")
     assert client.get("use_sim_time") == [True]
-    [clock] = [item for item in topics_of(client.node) if item.topic == "/clock"]
+    [clock] = [item for item in topics_of(known(client)) if item.topic == "/clock"]
     assert clock in topics_of_page()
 
 

@@ -77,7 +77,7 @@ def test_configuring_succeeds_when_what_hindered_it_is_gone(start, client, summa
             assert client.state() == "unconfigured"
             client.until(lambda seen=seen: any(level == ERROR for level, _ in reports[seen:]))
             assert str(port) in reports[-1][1]
-        assert client.node.count_publishers(f"{client.name}/summary") == 0
+        client.until(lambda: client.node.count_publishers(f"{client.name}/summary") == 0)
     assert client.transition("configure")
     assert client.transition("activate")
     client.until(lambda: len(summaries) >= 5)

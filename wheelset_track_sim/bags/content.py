@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..samples.block import SampleBlock
+from ..samples.decimation import FACTOR
 from ..scenario import WHEELS
 from ..wheelset.reduced import COMPONENTS
 from .messages import State, block_of, state_of
@@ -44,7 +45,10 @@ def check_place(message: Any) -> None:
             raise ContentError(f"{name} at step {message.first_step} is {getattr(message, name)}")
     if not 0 <= message.first_step <= LAST or abs(message.time) > LATEST:
         raise ContentError(f"step {message.first_step} at {message.time:g} s is after {LAST} or {LATEST:g} s")
-    if not (message.speed > 0 and STEP[0] <= message.speed * message.step_period <= STEP[1]):
+    factor = getattr(message, "decimation", 1)
+    if not 1 <= factor <= FACTOR.high:
+        raise ContentError(f"it has samples each {factor} steps")
+    if not (message.speed > 0 and STEP[0] <= message.speed * message.step_period / factor <= STEP[1]):
         raise ContentError(
             f"speed {message.speed:g} m/s and step period {message.step_period:g} s at step {message.first_step} are "
             f"not those of a run with steps from {STEP[0]:g} to {STEP[1]:g} m"

@@ -155,6 +155,9 @@ class _Pass:
         self.start_ns: int | None = None
         self.summaries: list[_Piece] = []
         self.blocks: list[_Piece] = []
+        self.signals: dict[str, list[_Piece]] = {}
+        self.factors: dict[str, set[int]] = {}
+        """Steps from sample to sample, by signals."""
         self.groups = Groups((FORCES, *self._reader.topics("AxleStress")))
         self._held: Counter[tuple[str, str]] = Counter()
         self._files: dict[str, McapReader] = {}
@@ -181,10 +184,14 @@ class _Pass:
             state = checked_state(message)
             self.inputs.append(Input(state.revision, state.first_step, state.scenario))
         elif kind == FORCES or topic in self.groups.signals:
-            samples = span_of(message)
+            factor = int(message.decimation)
+            samples = span_of(message) * factor
             check_finite(message)
-            place = _Piece(message.first_step, samples, float(message.time), float(message.step_period))
-            group = self.groups.add(FORCES if kind == FORCES else topic, place, 0)
+            place = _Piece(message.first_step, samples, float(message.time), float(message.step_period) / factor)
+            signal = FORCES if kind == FORCES else topic
+            self.signals.setdefault(signal, []).append(place)
+            self.factors.setdefault(signal, set()).add(factor)
+            group = self.groups.add(signal, place, 0)
             if group is not None:
                 if len({piece.samples for piece in group.messages.values()}) > 1:
                     raise ContentError(f"signals from step {group.first_step} on differ in their numbers of samples")
@@ -215,12 +222,18 @@ def overview(path: str | Path) -> Overview:
     if not seen.counts:
         why = f" ({losses[0]})" if losses else ""
         raise RecordingError(f"{reader.path} holds no message that can be read{why}: give a bag of a run")
-    blocks, summaries = (_total(reader, pieces) for pieces in (seen.blocks, seen.summaries))
+    decimated = any(factors != {1} for factors in seen.factors.values())
+    found = seen.signals.get(FORCES, []) if decimated else seen.blocks
+    blocks, summaries = (_total(reader, pieces) for pieces in (found, seen.summaries))
     run = blocks if blocks.first else summaries
     losses += run.losses
-    losses += _incomplete(seen.groups, blocks, reader.path.name)
-    losses += _unequal(blocks, summaries, reader.path.name)
     unchecked = ["whether the extremes, which are those of the summaries in the bag, are those of the samples"]
+    if decimated:
+        losses += _uneven(reader, seen)
+        unchecked.append("whether each step has every signal: they do not have samples at each step")
+    else:
+        losses += _incomplete(seen.groups, blocks, reader.path.name)
+        losses += _unequal(blocks, summaries, reader.path.name)
     if run.first is None:
         unchecked = ["whether it is whole: it holds no samples of a run"]
     elif summaries.summary is None:
@@ -259,6 +272,17 @@ def _incomplete(groups: Groups, blocks: _Total, bag: str) -> list[Loss]:
     """Samples that some signals lack, of the run that counts."""
     left = [group for group in groups if not blocks.over or group.first_step >= blocks.end_step]
     return [Damage(bag, 0, 0, group.missing(groups.signals, FORCES)) for group in left]
+
+
+def _uneven(reader: BagReader, seen: _Pass) -> Iterator[Loss]:
+    """Gaps of signals that have samples each some steps, and signals that do not keep to that."""
+    for signal, pieces in seen.signals.items():
+        name, factors = ("contact forces" if signal == FORCES else signal), sorted(seen.factors[signal])
+        if len(factors) > 1:
+            words = f"{name} have samples each {' and each '.join(map(str, factors))} steps"
+            yield Damage(reader.path.name, 0, 0, words)
+        elif signal != FORCES:
+            yield from (Damage(reader.path.name, 0, 0, f"{name}: {loss}") for loss in _total(reader, pieces).losses)
 
 
 def _unequal(blocks: _Total, summaries: _Total, bag: str) -> list[Loss]:

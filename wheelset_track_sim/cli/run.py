@@ -103,6 +103,7 @@ def as_mapping(totals: Summary, simulated: float, wall: float) -> dict[str, Any]
         "wall_s": wall,
         "real_time_factor": simulated / wall,
         **peaks(totals),
+        "contact": contact(totals),
     }
 
 
@@ -114,6 +115,24 @@ def conditions(scenario: Scenario) -> dict[str, Any]:
         "wheelset": scenario.wheelset.name,
         "track": scenario.track.name,
     }
+
+
+def contact(of: Summary) -> dict[str, Any]:
+    """How contacts without a force table were found, as commands print it with ``--json``."""
+    found = of.contacts
+    return {
+        "solved_steps": found.solved_steps,
+        "filtered_steps": found.filtered_steps,
+        "largest_estimate_N": found.largest_estimate,
+    }
+
+
+def contact_words(counts: dict[str, Any]) -> str:
+    """The same for people."""
+    solved, filtered = counts["solved_steps"], counts["filtered_steps"]
+    if not filtered:
+        return f"{solved} solved"
+    return f"{filtered} filtered, error up to {counts['largest_estimate_N']:.0f} N estimated; {solved} solved"
 
 
 def peaks(of: Summary) -> dict[str, Any]:
@@ -167,5 +186,8 @@ def table(result: dict[str, Any], when: str = "") -> Table:
     for name, pressure in result["pressures"].items():
         shown_as.add_row(f"contact pressure {name}", f"{pressure['largest_Pa'] / 1e9:.2f} GPa", "", "")
     flags = [f"{name}: {each['flag']}" for name, each in result["pressures"].items() if each["flag"]]
-    shown_as.caption = "at the largest force, " + "; ".join(flags) if flags else None
+    notes = ["at the largest force, " + "; ".join(flags)] if flags else []
+    if result["contact"]["solved_steps"] or result["contact"]["filtered_steps"]:
+        notes.append(f"contacts without a force table: {contact_words(result['contact'])}")
+    shown_as.caption = "\n".join(notes) or None
     return shown_as

@@ -19,7 +19,7 @@ from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
 from .law_kernels import ContactLaw
-from .ordered.nested import nested_contacts, no_nested_contacts
+from .ordered.nested import hinges_of, nested_contacts, no_hinges, no_nested_contacts
 from .ordered.order_kernels import NestedContacts
 from .potential_area import evenly_spaced, potential_contact_area
 from .tables import force_tables
@@ -111,6 +111,7 @@ def build_contact_law(
     largest_force: float = 600e3,
     hardness: float = np.inf,
     tables: bool | Literal["smooth"] = True,
+    filtered: bool = False,
     progress: Progress | None = None,
 ) -> ContactLaw:
     """Contact law of both wheels on elements dx x dy (m), with ``n_c`` steps of dx around the wheels.
@@ -121,6 +122,7 @@ def build_contact_law(
     position on treads and rails at which an irregularity can bear. Without them, above that force, where an element
     yields, where tread and rail both have an irregularity, and where one is rough, the active set is solved in every
     step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest.
+    With ``filtered`` and all tables, contacts without one may be filtered; the law's ``largest_estimate`` says which.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     surfaces = rolling_surfaces(tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force)
@@ -132,6 +134,7 @@ def build_contact_law(
         table_force=min(largest_force, TABLE_FORCE),
         hardness=hardness,
         tables=tables,
+        filtered=filtered,
         progress=progress,
     )
 
@@ -145,6 +148,7 @@ def law_of_surfaces(
     table_force: float = TABLE_FORCE,
     hardness: float = np.inf,
     tables: bool | Literal["smooth"] = True,
+    filtered: bool = False,
     progress: Progress | None = None,
 ) -> ContactLaw:
     """Contact law of surfaces on elements dx x dy, m; other arguments as of ``build_contact_law``."""
@@ -171,6 +175,13 @@ def law_of_surfaces(
             table, rail_table = (np.where(each >= smooth, np.int32(-1), each) for each in (table, rail_table))
         stored = force_tables(gaps, influence, dx * dy, table_force, hardness, progress)
         first, points = stored.first, stored.points
+    nested = (no_nested_contacts(),) * 2
+    if solves := _solves(table, rail_table, smooth):
+        nested = _nested(geometry, x, y, separation)
+    hinges = no_hinges()
+    if solves and filtered and tables is True and hardness == np.inf:
+        different = nested[:1] if nested[1] is nested[0] else nested
+        hinges = hinges_of(different, ny, geometry.contact_modulus, dx, dy)
     return ContactLaw(
         tread=tread,
         rail_row=rail_row,
@@ -190,9 +201,9 @@ def law_of_surfaces(
         points=points,
         tread_top=_highest_within(tread.max(axis=2), nx),
         rail_top=_highest_within(rail.max(axis=1)[rail_row], nx),
-        nested=_nested(geometry, x, y, separation)
-        if _solves(table, rail_table, smooth)
-        else (no_nested_contacts(),) * 2,
+        nested=nested,
+        hinges=hinges,
+        largest_estimate=0.0,
         in_contact=np.zeros((2, nx, ny), np.bool_),
     )
 

@@ -4,18 +4,19 @@ Problem. Find the force F, N, with F = f(delta - c0 F). f is the force-approach 
 this step. delta, m, is the approach without the force of this step; c0, m/N, is what that force adds to the
 displacements. f is zero up to first touch, then rises. So f(delta - c0 F) falls with F, and exactly one F solves this.
 
-Three methods are tried in this order:
+Four methods are tried in this order:
 
 1. A table (``tabulated_force``). ``path_kernels`` follows f from kink to kink, so f is linear between the kinks
    (x_k, f_k). A bisection finds the segment whose ends x_k + c0 f_k enclose delta; t is its slope. F is exact::
 
        F = (f_k + t (delta - x_k)) / (1 + c0 t)
 
-2. The nested solver (``ordered.nested_kernels``), without a table, where surfaces are rough but nearly smooth.
-3. The plain active set (``active_set_kernels``), for all other contacts.
+2. The contact filter (``ordered.hinge_kernels``), without a table, where its estimate of its error is small.
+3. The nested solver (``ordered.nested_kernels``), where surfaces are rough but nearly smooth.
+4. The plain active set (``active_set_kernels``), for all other contacts.
 
 With a hardness, f is the curve of a contact whose pressures are bounded by it. Tables end where the first element
-yields. A solution of one of the other two methods holds if no pressure in it is above the hardness; else
+yields, and nothing is filtered. A solution of one of the solvers holds if no pressure in it is above the hardness; else
 ``yielding_kernels`` goes on from it.
 
 Indices. Wheel 0 is wheel 1 and wheel 1 is wheel 2. ``tread_index`` and ``rail_index`` are the positions of tread and
@@ -33,6 +34,7 @@ from numpy.typing import NDArray
 from ..runtime.arrays import Real
 from ..runtime.jit import inner_kernel, kernel
 from .active_set_kernels import CONVERGED, solve_active_set
+from .ordered.hinge_kernels import Hinges
 from .ordered.nested_kernels import solve_in_order
 from .ordered.order_kernels import FAR, NestedContacts, gaps_in_order
 from .yielding_kernels import exceeds, solve_yielding
@@ -79,6 +81,10 @@ class ContactLaw(NamedTuple):
     """Highest of the rail within the area, (2, n_r), m."""
     nested: tuple[NestedContacts, NestedContacts]
     """Elements of each wheel in the order of the nested solver."""
+    hinges: Hinges
+    """The contact filter; without elements where contacts are not filtered."""
+    largest_estimate: float
+    """Largest estimate of the error of a filtered force, N."""
     in_contact: NDArray[np.bool_]
     """Elements in contact at the last solution, (2, nx, ny): the first guess of the next."""
 
@@ -243,6 +249,16 @@ def table_force(points: Real, first: int, end: int, approach: float, compliance:
 
 
 @inner_kernel
+def table_number(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> np.int32:
+    """Force table of these positions, both within the lengths of treads and rails; -1 for none."""
+    number: np.int32
+    number, of_rail = law.table[wheel, tread_index], law.rail_table[wheel, rail_index]
+    if of_rail != 0:
+        number = of_rail if 0 <= number < law.smooth_tables else np.int32(-1)
+    return number
+
+
+@inner_kernel
 def tabulated_force(
     law: ContactLaw, wheel: int, tread_index: int, rail_index: int, approach: float, compliance: float
 ) -> float:
@@ -251,9 +267,7 @@ def tabulated_force(
     Both indices must be within the lengths of treads and rails. There are tables for each place of a tread on a smooth
     rail, and of a rail under a smooth tread; not where both have an irregularity, or where one is rough.
     """
-    number, of_rail = law.table[wheel, tread_index], law.rail_table[wheel, rail_index]
-    if of_rail != 0:
-        number = of_rail if 0 <= number < law.smooth_tables else np.int32(-1)
+    number = table_number(law, wheel, tread_index, rail_index)
     if number < 0:
         return np.nan
     return table_force(law.points, law.first_point[number], law.first_point[number + 1], approach, compliance)

@@ -15,6 +15,7 @@ from ..runtime.jit import Address
 from .active_set_kernels import AT_BORDER, CONVERGED, NOT_CONVERGED
 from .hardness import flag, share_from, stated
 from .law_kernels import ContactLaw, contact_force, solve_bounded, solve_contact, total_separation
+from .ordered.hinge_kernels import filtered_force
 
 REASONS = {
     NOT_CONVERGED: "the active set does not settle",
@@ -88,11 +89,19 @@ _SOLVERS: dict[Any, Address] = {}
 
 def solver(law: ContactLaw) -> Address:
     """What solves a law in the coupled step; compiled when that is called, which takes half a minute, once."""
-    solving = _solving(law)
-    if solving not in _SOLVERS:  # to the compiler, all laws are of one type
-        call = (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0)))
-        _SOLVERS[solving] = Address(solving, (0.0, 0.0, 0), call)
-    return _SOLVERS[solving]
+    return _called(_solving(law), (law, 0, 0, 0, 0.0, 0.0, law.in_contact[0], np.empty((0, 0))))
+
+
+def contact_filter(law: ContactLaw) -> Address:
+    """The filter of nearly smooth contacts, for the coupled step; likewise, in some seconds."""
+    surfaces = law.tread[0], law.rail_row[0], law.rail
+    return _called(filtered_force, (law.hinges, 0, (0, 0), *surfaces, 0, 0, 0.0, 0.0, 0.0, 0.0))
+
+
+def _called(function: Any, call: tuple[Any, ...]) -> Address:
+    if function not in _SOLVERS:  # to the compiler, all laws are of one type
+        _SOLVERS[function] = Address(function, (0.0, 0.0, 0), call)
+    return _SOLVERS[function]
 
 
 def _solving(law: ContactLaw) -> Any:

@@ -65,7 +65,7 @@ OTHERS = {
 """Units beside SI in which people give quantities, by SI unit, the usual one first."""
 
 Powers = frozenset[tuple[str, int]]
-_NUMBER = r"[-+]?(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,2})?"
+_NUMBER = r"[-+]?(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
 _AMOUNT = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>\S.{{0,40}})?\s*")
 _FACTOR = re.compile(r"(?P<name>[^\W\d]+|%|1)(?:\^?(?P<power>-?\d))?")
 _SIGNS = str.maketrans({"²": "2", "³": "3", "⁴": "4", "µ": "u", "μ": "u", "·": " ", "*": " ", "°": "deg"})
@@ -91,7 +91,10 @@ def amount(text: str, si: str, where: str) -> float:
     size = size_of((found["unit"] or si).strip(), si)
     if size is None:
         raise InputError(f"{where} = {text!r} is not in a unit of this quantity: give {listed(si)}")
-    return float(Fraction(found["number"]) * size)
+    try:
+        return float(Fraction(found["number"]) * size)
+    except OverflowError:
+        raise InputError(f"{where} = {text!r} is too large for a number: give a smaller one") from None
 
 
 def size_of(name: str, si: str) -> Fraction | None:

@@ -9,6 +9,28 @@ from ..runtime.arrays import Real
 from .principal import maximum_principal
 
 
+@dataclass(frozen=True)
+class ContactCounts:
+    """How contacts without a force table were found; each step counts once for each wheel."""
+
+    solved_steps: int = 0
+    """Solved."""
+    filtered_steps: int = 0
+    """Filtered (``contact.ordered.hinge_kernels``)."""
+    largest_estimate: float = 0.0
+    """Largest estimate of the error of a filtered force, N."""
+
+    def __add__(self, other: ContactCounts) -> ContactCounts:
+        return ContactCounts(
+            self.solved_steps + other.solved_steps,
+            self.filtered_steps + other.filtered_steps,
+            max(self.largest_estimate, other.largest_estimate),
+        )
+
+
+NO_CONTACTS = ContactCounts()
+
+
 @dataclass(frozen=True, eq=False)
 class SampleBlock:
     """Consecutive samples, one for each step unless it is decimated; the arrays are read-only.
@@ -43,6 +65,8 @@ class SampleBlock:
     """Names of the stress nodes."""
     decimation: int = 1
     """Steps from sample to sample."""
+    contacts: ContactCounts = NO_CONTACTS
+    """How contacts were found; of a simulation alone."""
 
     def __post_init__(self) -> None:
         self.forces.flags.writeable = False

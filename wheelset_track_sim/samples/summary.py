@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..runtime.arrays import Real
-from .block import SampleBlock
+from .block import NO_CONTACTS, ContactCounts, SampleBlock
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,8 @@ class Summary:
     samples: int
     wheels: tuple[WheelLoad, WheelLoad]
     nodes: tuple[NodeStress, ...]
+    contacts: ContactCounts = NO_CONTACTS
+    """How the contacts of a simulation were found."""
 
 
 def statistics(signals: Real) -> Statistics:
@@ -80,7 +82,7 @@ def summarise(block: SampleBlock) -> Summary:
         NodeStress(name, *map(float, found))
         for name, *found in zip(block.nodes, *statistics(np.ascontiguousarray(block.max_principal.T)), strict=True)
     )
-    return Summary(len(block), (wheel_1, wheel_2), nodes)
+    return Summary(len(block), (wheel_1, wheel_2), nodes, block.contacts)
 
 
 def combine(parts: Iterable[Summary]) -> Summary:
@@ -110,7 +112,8 @@ def combine(parts: Iterable[Summary]) -> Summary:
         )
         for stresses in zip(*(part.nodes for part in parts), strict=True)
     )
-    return Summary(samples, (wheel_1, wheel_2), nodes)
+    contacts = sum((part.contacts for part in parts), NO_CONTACTS)
+    return Summary(samples, (wheel_1, wheel_2), nodes, contacts)
 
 
 def _mean(weights: Iterable[float], values: Iterable[float]) -> float:

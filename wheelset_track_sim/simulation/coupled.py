@@ -8,9 +8,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from ..contact.solutions import solver
+from ..contact.solutions import contact_filter, solver
 from ..errors import ContactError, DivergenceError
 from ..runtime.arrays import Real
+from ..samples.block import NO_CONTACTS, ContactCounts
 from .changes import Condition
 from .coupled_kernels import run
 from .models import Models
@@ -31,6 +32,7 @@ class Coupled:
         self._ahead: dict[float, Future[None]] = {}
         self._next = step
         self._xi = np.empty((0, 2, 2))
+        self._contacts = NO_CONTACTS
 
     def copy(self) -> Coupled:
         """The same state, which goes on by itself."""
@@ -49,6 +51,11 @@ class Coupled:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
         return self._xi
 
+    @property
+    def contacts(self) -> ContactCounts:
+        """How the contacts of the latest block were found."""
+        return self._contacts
+
     def run(self, condition: Condition, speed: float, preload: Real, ahead: Sequence[float] = ()) -> tuple[Real, Real]:
         """Forces (n, 2) N and stress components (n, S) Pa of the next n steps at ``speed`` m/s.
 
@@ -57,11 +64,14 @@ class Coupled:
         DivergenceError if a sample is not finite.
         """
         self._make_ready(speed, ahead)
-        law, steps = condition.law, len(preload)
+        filtered = condition.law.hinges.element.size > 0
+        largest = self.models.tolerance * condition.scenario.wheel_load if filtered else 0.0
+        law, steps = condition.law._replace(largest_estimate=largest), len(preload)
         tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
         stress = np.empty((steps, len(self.models.dynamics.stress_rows)))
         xi = np.empty((steps, 2, 2))
+        untabled = np.zeros(3)
         done = 0
         while done < steps:
             stop = self._set_speed(speed, done, steps)
@@ -72,12 +82,14 @@ class Coupled:
                     self._dynamics,
                     law,
                     solver(law) if solving else None,
+                    contact_filter(law) if solving else None,
                     preload[part],
                     condition.tread_origin,
                     self._next + solved,
                     forces[part],
                     stress[part],
                     xi[part],
+                    untabled,
                 )
                 if done + solved == stop:
                     break
@@ -87,6 +99,7 @@ class Coupled:
                 if done == 0:
                     self._refuse(preload, xi)
                 break
+        self._contacts = ContactCounts(int(untabled[0]), int(untabled[1]), float(untabled[2]))
         forces, stress, self._xi = forces[:done], stress[:done], xi[:done]
         require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress)
         return forces, stress

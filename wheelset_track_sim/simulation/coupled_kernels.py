@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.law_kernels import ContactLaw, tabulated_force
+from ..contact.law_kernels import ContactLaw, table_number, tabulated_force
 from ..dynamics.interface_kernels import advance, displacements, stresses
 from ..runtime.jit import kernel
 
@@ -16,20 +16,23 @@ def run(
     dynamics: Any,
     law: ContactLaw,
     solver: Any,
+    contact_filter: Any,
     preload: np.ndarray,
     tread_origin: int,
     first_step: int,
     forces: np.ndarray,
     stress: np.ndarray,
     xi: np.ndarray,
+    untabled: np.ndarray,
 ) -> int:
     """Take one coupled step for each row of ``forces`` (n, 2); returns how many of them were solved.
 
-    ``solver`` is asked where tables have no force (``contact.solutions.solver``); with None, which is compiled without
-    it and runs faster, such steps are not solved. ``preload`` (n, 2) m is the approach of wheel and rail without
-    dynamics that loads each contact with the static force; ``tread_origin`` is the step at which angle 0 of the treads
-    meets the rail. Fills ``forces`` in N, ``stress`` (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with
-    what the force displaces at once.
+    ``contact_filter``, if the law has hinges, and ``solver`` are asked where tables have no force
+    (``contact.solutions``); with None, which is compiled without them and runs faster, such steps are not solved.
+    ``preload`` (n, 2) m is the approach of wheel and rail without dynamics that loads each contact with the static
+    force; ``tread_origin`` is the step at which angle 0 of the treads meets the rail. Fills ``forces`` in N, ``stress``
+    (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the force displaces at once. Adds to
+    ``untabled`` (3,) the contacts that were solved and filtered, and keeps the largest estimate of an error there, N.
     A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
     none = np.empty((0, 0))
@@ -44,9 +47,29 @@ def run(
             of_wheel, of_rail = dynamics.wheel_compliance[wheel], dynamics.rail_compliance[step % bay]
             compliance = of_wheel + of_rail
             force = tabulated_force(law, wheel, tread, rail, approach, compliance)
-            if solver is not None:  # noqa: SIM102 - alone, so that the compiler leaves out what follows
+            if solver is not None:  # alone, so that the compiler leaves out what follows
+                nowhere = np.isnan(force) and table_number(law, wheel, tread, rail) < 0
+                if nowhere and law.largest_estimate > 0.0:
+                    force, estimate, _ = contact_filter(
+                        law.hinges,
+                        wheel,
+                        law.separation.shape[1:],
+                        law.tread[wheel],
+                        law.rail_row[wheel],
+                        law.rail,
+                        tread,
+                        rail,
+                        law.element_area,
+                        approach,
+                        compliance,
+                        law.largest_estimate,
+                    )
+                    if np.isfinite(force):
+                        untabled[1] += 1
+                        untabled[2] = max(untabled[2], estimate)
                 if not np.isfinite(force):
                     force = solver(law, wheel, tread, step, approach, compliance, law.in_contact[wheel], none)[0]
+                    untabled[0] += 1
             if not np.isfinite(force):
                 return row
             forces[row, wheel] = force

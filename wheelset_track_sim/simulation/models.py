@@ -55,6 +55,8 @@ class Models:
     """Which contacts have tables, as for ``build_contact_law``."""
     hardness: float = math.inf
     """Largest contact pressure, Pa."""
+    tolerance: float = 0.0
+    """Largest estimated error of a filtered contact force, share of the static load; 0 solves all contacts."""
     _smooth: ContactLaw | None = field(default=None, repr=False)
 
     def contact_law(
@@ -77,6 +79,7 @@ class Models:
             rail_steps=line_steps(irregularities, line_length, self.step_length),
             hardness=self.hardness,
             tables=self.tables,
+            filtered=self.tolerance > 0.0,
             progress=progress,
         )
         if not irregularities:
@@ -163,4 +166,5 @@ def _models(scenario: Scenario, progress: Progress | None, tables: bool | Litera
         vehicle=scenario.vehicle,
         tables=tables,
         hardness=scenario.contact.largest_pressure,
+        tolerance=scenario.contact.largest_estimate,
     )

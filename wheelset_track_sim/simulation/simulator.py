@@ -309,6 +309,7 @@ class Simulator:
             forces=forces,
             stresses=stresses.reshape(-1, len(COMPONENTS), len(forces)).transpose(2, 0, 1),
             nodes=scenario.output.stress_nodes,
+            contacts=coupled.contacts,
         )
 
     @property

@@ -84,6 +84,9 @@ def _change(bag: Bag, of: Input) -> RecordedChange:
             raise InputError("it is not a mapping of scenario keys")  # noqa: TRY301
         if bag.info.versions.get("wheelset_track_sim", "").startswith("0.1."):
             data = {"settle_on": "smooth"} | data  # as every run of that version did
+        stated = data.get("contact") or {}
+        if isinstance(stated, dict):
+            data["contact"] = {"exact": True} | stated  # as runs were before there was a filter
         with recorded_input():
             return RecordedChange(of.revision, of.step, scenario_from(data))
     except InputError as refusal:

@@ -26,7 +26,7 @@ from ..definitions import short_name
 from ..losses import Damage
 from ..topics import Topic
 from .layout import ENTRIES, LEAST, LOOSE, MOST_PASSED, START, Index, Layout, stretch_end, walk
-from .unpacking import COMPRESSIONS, LARGEST, unpacked
+from .unpacking import COMPRESSIONS, LARGEST, ZSTD, unpacked, unpacked_message
 from .writer import MAGIC, RECORD
 
 CHUNK = struct.Struct("<BQQQQII")  # opcode, length; first and last time, size, CRC, length of the compression's name
@@ -268,7 +268,10 @@ class McapReader:
                     if topic is None:
                         unknown += 1
                     else:
-                        yield StoredMessage(topic, sequence, log_time, publish_time, content[MESSAGE.size :])
+                        data = content[MESSAGE.size :]
+                        if data[:4] == ZSTD:
+                            data = self._unpacked(data)
+                        yield StoredMessage(topic, sequence, log_time, publish_time, data)
                 elif _register(opcode, content, self._schemas, self._channels):
                     self._topics.clear()
             except UNREADABLE:
@@ -283,6 +286,12 @@ class McapReader:
             self._damaged(Damage(self.name, place, end, reason))
         elif self._damages == MOST_DAMAGES:
             self._damaged(Damage(self.name, place, end, f"{reason}; further damage is not listed"))
+
+    def _unpacked(self, data: memoryview) -> memoryview:
+        """A message that was compressed by itself; raises an error of ``UNREADABLE``."""
+        found = unpacked_message(data, min(LARGEST, max(0, self._bytes_left)))
+        self._bytes_left -= len(found)
+        return memoryview(found)
 
     def _set_limits(self) -> None:
         """Allow as much work as a file of this size may ask for."""

@@ -8,6 +8,8 @@ from lz4.frame import LZ4FrameDecompressor
 from zstandard import ZstdDecompressor
 
 COMPRESSIONS = (b"", b"lz4", b"zstd")
+ZSTD = b"\x28\xb5\x2f\xfd"
+"""Beginning of a zstd frame."""
 LARGEST = 1 << 28
 """Largest chunk, record or index that is read, bytes."""
 LARGEST_WINDOW = 1 << 27
@@ -42,6 +44,20 @@ def unpacked(compression: bytes, packed: bytes, size: int) -> bytes:
     if len(found) != size:
         amount = "more" if len(found) > size else f"{len(found)} bytes"
         raise ValueError(f"it declares {size} bytes and unpacks to {amount}")
+    return found
+
+
+def unpacked_message(packed: bytes | memoryview, most: int) -> bytes:
+    """Unpack a message that rosbag2 has compressed by itself (``--compression-mode message``).
+
+    Such a file does not say so in its records, but no CDR message begins as a zstd frame does (``ZSTD``). Raises
+    ValueError for more than ``most`` bytes.
+    """
+    decompressor = ZstdDecompressor(max_window_size=LARGEST_WINDOW)
+    with decompressor.stream_reader(BytesIO(packed), read_across_frames=True) as stream:
+        found = stream.read(most + 1)
+    if len(found) > most:
+        raise ValueError(f"a message unpacks to more than {most} bytes")
     return found
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +13,14 @@ from ...runtime.arrays import Real
 from ..geometry import ContactGeometry
 from ..hertz import HertzContact
 from ..influence import influence_table
+from .hinge_kernels import BLOCK, Hinges
 from .order_kernels import NestedContacts
 from .panel_kernels import PANEL, factored, inverted, row
 
 MOST_ELEMENTS = 1536
 """Contacts have about half of them, at 500 kN; 12 MB are stored for them, and a quarter of a second is spent."""
+DISTANCE = 3e-3
+"""b of ``hinge_kernels``, m."""
 
 
 def nested_contacts(
@@ -57,6 +62,48 @@ def no_nested_contacts() -> NestedContacts:
     none = np.zeros(0)
     return NestedContacts(
         np.zeros(0, np.int64), none, none, none, np.full(1, -np.inf), np.zeros(1, np.int64), none, none, none, 0.0, 0.0
+    )
+
+
+def hinges_of(nested: Sequence[NestedContacts], ny: int, modulus: float, dx: float, dy: float) -> Hinges:
+    """Hinges of the contact filter, for the elements whose part of the inverse is there, of one wheel or of both.
+
+    ``ny`` is the width of the area in elements, ``modulus`` E*, Pa, and ``dx``, ``dy`` the size of the elements, m.
+    """
+    m = min(len(each.punch) for each in nested)
+    parts = [_hinges(each, m, ny, dx * dy) for each in nested]
+    weights, opening, blocks, element, extent = (np.stack(each) for each in zip(*parts, strict=True))
+    along, across = round(DISTANCE / dx), round(DISTANCE / dy)
+    return Hinges(weights, opening, blocks, element, extent, 0.45 * modulus / DISTANCE, along, across)
+
+
+def _hinges(nested: NestedContacts, m: int, ny: int, element_area: float) -> tuple[NDArray[Any], ...]:
+    """The arrays of ``Hinges`` for one wheel."""
+    inverse, punch, element = np.zeros((m, m)), nested.punch[:m], nested.element[:m]
+    for c in range(m):
+        inverse[c, : c + 1] = nested.inverse[row(c) : row(c) + c + 1]
+    sigma, delta, rho = element_area * punch**2, inverse @ nested.separation[:m] / punch, inverse / punch[:, np.newaxis]
+    before = np.arange(BLOCK, m, BLOCK)
+    stiffness, moment = (np.cumsum(each)[before - 1] for each in (sigma, sigma * delta))
+    means = np.cumsum(sigma[:, np.newaxis] * rho, axis=0)[before - 1] / stiffness[:, np.newaxis]
+    edge = np.maximum.accumulate(delta)[before]
+    blocks = np.stack([moment / stiffness, stiffness, edge, stiffness * edge - moment])
+    first = np.array([[0.0], [0.0], [delta[0]], [0.0]])
+    aside = np.maximum.accumulate(np.append(0, np.abs(element % ny - ny // 2)))
+    return (
+        np.vstack([rho, np.zeros((1, m)), means]).astype(np.float32),
+        np.stack([delta, sigma]),
+        np.hstack([first, blocks]),
+        element.astype(np.uint32),
+        np.stack([nested.reach[: m + 1], aside]),
+    )
+
+
+def no_hinges() -> Hinges:
+    """No filter."""
+    none = np.zeros((1, 4, 0))
+    return Hinges(
+        none.astype(np.float32), none, none, np.zeros((1, 0), np.uint32), np.zeros((1, 2, 1), np.int64), 0.0, 1, 1
     )
 
 
