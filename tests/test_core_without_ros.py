@@ -52,8 +52,12 @@ def test_a_run_needs_no_ros(tmp_path):
     assert bag.stat().st_size > 0
 
 
-def test_node_without_ros_is_refused_in_one_line():
-    done = python(RUN, "node")
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [(["node"], "the node"), (["get"], "get"), (["set", "speed=30"], "set"), (["echo", "x"], "echo")],
+)
+def test_what_needs_ros_is_refused_in_one_line_without_it(arguments, what):
+    done = python(RUN, *arguments)
     assert done.returncode == 2
-    assert done.stderr.startswith("wheelset-track-sim: the node needs ROS 2 Jazzy")
+    assert done.stderr.startswith(f"wheelset-track-sim: {what} needs ROS 2 Jazzy")
     assert len(done.stderr.strip().splitlines()) == 1

@@ -21,6 +21,8 @@ def test_run_prints_one_json_object(capsys: pytest.CaptureFixture[str]) -> None:
     assert result["real_time_factor"] == pytest.approx(result["simulated_s"] / result["wall_s"])
     assert result["scenario"] == "damage_wheel_1"
     assert len(result["digest"]) == 32
+    assert (result["speed_m_s"], result["axle_load_N"]) == (27.7777778, 196200.0)
+    assert (result["wheelset"], result["track"]) == ("x40", "ballasted_60e1")
     assert set(result["wheels"]) == {"wheel_1", "wheel_2"}
     assert set(result["wheels"]["wheel_1"]) == {"max_force_N", "min_force_N", "contact_loss_s"}
     assert set(result["nodes"]) == {"A1", "B1", "C1"}
@@ -45,7 +47,10 @@ def test_smooth_wheels_run_near_102_kn_and_the_statics(capsys: pytest.CaptureFix
 def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = tmp_path / "run.mcap"
     assert main(["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]) == 0
-    assert "contact force wheel_1" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "108 km/h, 196.2 kN axle load (20 t), x40 on ballasted_60e1" in printed
+    assert "contact force wheel_1" in printed
+    assert max(map(len, printed.splitlines())) <= 80
     recording = read_bag(bag)
     assert len(recording) == 3600
     assert np.all(np.diff(recording.steps) == 1)
@@ -103,7 +108,7 @@ def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit):
         main(["--help"])
     commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
-    assert len(commands) == 12
+    assert len(commands) == 18
     for name, words in commands:
         with pytest.raises(SystemExit):
             main([name, "--help"])
@@ -135,3 +140,24 @@ def test_an_interrupted_run_leaves_a_readable_bag(tmp_path: Path) -> None:
     assert process.returncode == 1
     assert "interrupted" in errors.splitlines()[-1]
     assert len(read_bag(bag)) > 1000
+
+
+def test_run_writes_tables_by_the_suffix(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, bag = tmp_path / "run.csv", tmp_path / "run"
+    for out in (table, bag):
+        assert main(["run", "undamaged", "--duration", "0.01", "--json", "--out", str(out)]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run", "run.csv"]
+    assert json.loads(capsys.readouterr().out.splitlines()[0])["steps"] == 278
+    heading, *rows = table.read_text(encoding="utf-8").splitlines()
+    assert heading.startswith("time [s],step,position [m]")
+    assert len(rows) == len(read_bag(bag)) == 278
+    assert float(rows[-1].split(",")[5]) == read_bag(bag).forces[-1, 0]
+    for arguments, words in (
+        (["--out", str(tmp_path / "result.txt")], "ends in .txt, which is no form of results"),
+        (["--out", str(table)], "run.csv exists already"),
+        (["--out", str(tmp_path / "new.csv"), "--snapshots", "1"], "new.csv is a table: options of bags need a bag"),
+        (["--out", "/proc/run.csv"], "/proc/run.csv cannot be written"),
+    ):
+        assert main(["run", "undamaged", *arguments]) == 2
+        assert words in capsys.readouterr().err.splitlines()[-1]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run", "run.csv"]

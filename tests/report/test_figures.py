@@ -5,7 +5,14 @@ from matplotlib.figure import Figure
 
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.report import plot_run
-from wheelset_track_sim.report.figures import detail, draw_forces, draw_stresses
+from wheelset_track_sim.report.figures import (
+    check_picture,
+    detail,
+    draw_forces,
+    draw_stresses,
+    new_figure,
+    write_picture,
+)
 
 
 @pytest.fixture
@@ -24,7 +31,21 @@ def test_picture(make_survey, tmp_path):
 def test_a_path_that_cannot_be_written(make_survey, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
-        plot_run(make_survey(length=2.7), tmp_path / "file" / "out")
+        plot_run(make_survey(length=2.7), tmp_path / "file" / "out.svg")
+
+
+@pytest.mark.parametrize(("suffix", "begins"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".PDF", b"%PDF")])
+def test_the_suffix_says_the_form_and_the_same_figure_makes_the_same_file(tmp_path, suffix, begins):
+    def written(name):
+        with new_figure(2.0, "title", "made by") as figure:
+            figure.subplots().plot([0, 1])
+            return write_picture(figure, tmp_path / f"{name}{suffix}").read_bytes()
+
+    first, second = written("first"), written("second")
+    assert first.startswith(begins)
+    assert first == second
+    with pytest.raises(InputError, match=r"out.gif is no picture: give a name that ends in .png, .svg, .pdf"):
+        check_picture(tmp_path / "out.gif")
 
 
 def test_axes_say_quantity_and_unit(make_survey, axes):

@@ -57,5 +57,5 @@ def test_files_are_replaced_only_if_asked(tmp_path):
     there.write_text("mine")
     require_new([tmp_path / "other.html"], overwrite=False)
     require_new([there], overwrite=True)
-    with pytest.raises(InputError, match=r"page.html exists already: give another path with --out, or --overwrite"):
+    with pytest.raises(InputError, match=r"page.html exists already: give another path, or --overwrite"):
         require_new([tmp_path / "other.html", there], overwrite=False)

@@ -38,7 +38,7 @@ def test_loads_come_back_from_their_own_mapping() -> None:
         ("loads.press_fit.wheels=0.01", "loads.press_fit.wheels = 0.01 m is out of range"),
         ("loads.press_fit.wheel=0.0001", "did you mean wheels"),
         (
-            "loads.torque_plan=[{time: 1, torque: 0}, {time: 1, torque: 5}]",
+            "loads.torque_plan=[{time: 1, torque: 0}, {time: 1, torque: 500}]",
             "loads.torque_plan.1.time = 1 s is not af",
         ),
         ("loads.torque_at=[]", "loads.torque_at is empty"),
@@ -49,8 +49,8 @@ def test_loads_come_back_from_their_own_mapping() -> None:
         ("loads.wheel_1_share=1.5", "wheel_1_share = 1.5 is out of range"),
         ("loads.stresses=[{node: A1, yy: x}]", "loads.stresses.0.yy = 'x' is not a number"),
         (
-            "loads={torque: 1.0, torque_plan: [{time: 0, torque: 0}]}",
-            "loads.torque = 1 N m stands beside",
+            "loads={torque: 1000.0, torque_plan: [{time: 0, torque: 0}]}",
+            "loads.torque = 1000 N m stands beside",
         ),
     ],
 )
@@ -61,7 +61,7 @@ def test_bad_loads_are_refused(change: str, message: str) -> None:
 
 
 def test_bending_loads_are_loads() -> None:
-    for change in ("loads.own_weight=true", "loads.lateral.wheel_2=-1"):
+    for change in ("loads.own_weight=true", "loads.lateral.wheel_2=-1 N"):
         assert not load_scenario("undamaged", [change]).loads.none
     for change in ("loads.own_weight=false", "loads.lateral.wheel_2=0", "loads.horizontal_bending=true"):
         assert load_scenario("undamaged", [change]).loads.none  # there is no torque yet to which rails could react

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelset_track_sim.contact.named_profiles import read_profile
-from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.errors import InputError, InputWarning
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.inputs.yaml12 import dump, parse
 from wheelset_track_sim.scenario import Loads, Profiles, Scenario, SetPoint, load_scenario, override, scenario_from
@@ -307,3 +307,28 @@ def test_spaces_around_a_key_and_its_value_do_not_count(change: str) -> None:
     else:
         with pytest.raises(InputError, match="--set 'speed : 30' is not of the form key=value, such as speed=30"):
             load_scenario("undamaged", [change])
+
+
+def test_units_are_read_where_people_type_and_text_stays_si() -> None:
+    changes = ["speed=100 km/h", "axle_load=22.5 t", "irregularities.0.h=1.5 mm", "irregularities.0.angle=90 deg"]
+    changes += ["track.pad.stiffness=120 kN/mm", "track.pad.damping=25 kN s/m"]
+    changes += ["speed_plan=[{time: 1 min, speed: 200 km/h}]"]
+    scenario = load_scenario("damage_wheel_1", changes)
+    (breakout,) = scenario.irregularities
+    assert (scenario.speed, scenario.axle_load, breakout.h, breakout.angle) == (250 / 9, 220725.0, 0.0015, np.pi / 2)
+    assert (scenario.track.pad.stiffness, scenario.track.pad.damping) == (120e6, 25e3)
+    assert (scenario.speed_plan[0].time, scenario.speed_plan[0].speed) == (60.0, 500 / 9)
+    assert scenario_from(parse(scenario.to_yaml(), "text")) == scenario
+    assert not {"km/h", "mm", "deg"} & set(scenario.to_yaml().split())
+
+
+def test_distributions_of_clusters_have_units() -> None:
+    cluster = "{type: cluster, on: wheel_1, number: 3, a: {type: uniform, low: 5 mm, high: 1 cm}, b: 6 mm, h: 0.0002}"
+    (found,) = load_scenario("undamaged", [f"irregularities=[{cluster}]"]).irregularities
+    assert (found.a.low, found.a.high, found.b) == (0.005, 0.01, 0.006)
+
+
+def test_a_number_that_looks_like_another_unit_is_reported() -> None:
+    with pytest.warns(InputWarning, match=r"^speed = 100 is taken as 100 m/s \(360 km/h\), and looks like 100 km/h"):
+        load_scenario("undamaged", ["speed=100"])
+    load_scenario("undamaged", ["speed=100 m/s"])  # warnings are errors here

@@ -1,6 +1,10 @@
+import dataclasses
+
 import pytest
 
-from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.errors import InputError, InputWarning
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.studies import Study
 from wheelset_track_sim.studies.axes import read_axis
 
 
@@ -66,3 +70,32 @@ def test_value_that_is_not_on_the_axis_is_refused() -> None:
     assert axis.point(0.3e-3, "at").label == "0.3 mm"
     with pytest.raises(InputError, match=r"at = 0.001 is not a known value: .*known are 0.0003, 0.002"):
         axis.point(0.001, "at")
+
+
+def test_values_may_have_units_of_their_own() -> None:
+    axis = read_axis("speed", ["40 km/h", 20, "100 km/h"], "vary.speed")
+    assert [point.value for point in axis.points] == pytest.approx([40 / 3.6, 20, 100 / 3.6])
+    assert axis.point("100 km/h", "at").label == "100 km/h"
+    assert axis.point("20 m/s", "at").label == "72 km/h"
+    depths = values("irregularities.0.h", {"start": 0, "stop": "1 mm", "step": "250 um"})
+    assert depths == [0.0, 0.00025, 0.0005, 0.00075, 0.001]
+    loads = values("axle_load", {"start": 10, "stop": "20 t", "step": 5, "unit": "t"})
+    assert loads == [98100.0, 147150.0, 196200.0]
+    with pytest.raises(InputError, match=r"vary.speed.1 = '2 mm' is not in a unit of this quantity"):
+        values("speed", [20, "2 mm"])
+
+
+def test_numbers_that_look_like_another_unit_are_reported_where_they_are_given() -> None:
+    base = load_scenario("undamaged").to_mapping() | {"speed": "100 m/s"}
+    study = Study(title="t", scenario=base, outputs=("wheels.wheel_1.max_force",), set={"axle_load": "30 kN"})
+    assert study.runs()[0].scenario.speed == 100.0  # warnings are errors here
+    sure = {"speed": ["80 m/s", "360 km/h"]}
+    assert len(dataclasses.replace(study, vary=sure).runs()) == 2
+    for where, vary in (
+        ("vary.speed", {"speed": [90, 20]}),
+        ("vary.case.fast.speed", {"case": {"fast": {"speed": 90}}}),
+    ):
+        with pytest.warns(InputWarning, match=f"^{where} = 90 is taken as 90 m/s"):
+            dataclasses.replace(study, vary=vary)
+    with pytest.warns(InputWarning, match=r"^--set axle_load = 22000 is taken as 22000 N .* looks like 22000 kg"):
+        study.base(["axle_load=22000"])

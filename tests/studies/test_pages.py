@@ -1,6 +1,7 @@
 """Figures, tables and summaries that a study leaves."""
 
 import csv
+import sys
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -84,3 +85,12 @@ def test_a_study_leaves_figures_tables_and_summaries(left) -> None:
         assert outside not in page
     identifiers = [part.split('"')[0] for part in page.split(' id="')[1:]]
     assert len(identifiers) == len(set(identifiers))
+
+
+def test_parquet_without_its_library_is_refused_before_anything_runs(small, study_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    assert main(["study", study_file(small), "--out", str(tmp_path / "out"), "--parquet"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--parquet needs pyarrow, which is not installed" in line
+    assert "extra analysis" in line
+    assert not (tmp_path / "out").exists()

@@ -6,6 +6,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..scenario import WHEELS
@@ -24,8 +25,17 @@ ALONG = {"step": "", "position": "m", "speed": "m/s", "revision": ""}
 def dataframe(recording: Recording) -> DataFrame:
     """A row for each step, by simulated time, s; ``attrs`` has the unit of each column and where the run is from."""
     pandas = _library("pandas")
-    columns: dict[str, Any] = _along(recording)
-    units = dict(ALONG)
+    columns, units = columns_of(recording)
+    time = columns.pop("time")
+    frame = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
+    frame.attrs = {"units": units} | origin(recording)
+    return frame
+
+
+def columns_of(recording: Recording) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+    """All that is known of each step in columns, the time first, and the unit of each; empty without one."""
+    columns: dict[str, Any] = {"time": recording.time} | _along(recording)
+    units = {"time": "s"} | ALONG
     for name, force in zip(WHEELS, recording.forces.T, strict=True):
         columns[name], units[name] = force, "N"
     stresses = np.moveaxis(recording.stresses, 0, -1)
@@ -33,9 +43,7 @@ def dataframe(recording: Recording) -> DataFrame:
         found = dict(zip(COMPONENTS, of_node, strict=True)) | {"max_principal": principal}
         columns |= {f"{node}_{component}": stress for component, stress in found.items()}
         units |= {f"{node}_{component}": "Pa" for component in found}
-    frame = pandas.DataFrame(columns, index=pandas.Index(recording.time, name="time"))
-    frame.attrs = {"units": {"time": "s"} | units} | _origin(recording)
-    return frame
+    return columns, units
 
 
 def dataset(recording: Recording) -> Dataset:
@@ -58,7 +66,7 @@ def dataset(recording: Recording) -> Dataset:
             "max_principal": (("time", "node"), recording.max_principal, principal),
         },
         coords=coordinates,
-        attrs=_origin(recording),
+        attrs=origin(recording),
     )
 
 
@@ -67,7 +75,7 @@ def _along(recording: Recording) -> dict[str, Any]:
     return dict(zip(ALONG, values, strict=True))
 
 
-def _origin(recording: Recording) -> dict[str, Any]:
+def origin(recording: Recording) -> dict[str, Any]:
     """Where a run is from, in plain values that files of tables can hold."""
     info = recording.info
     return {

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 
 from ..errors import InputError
 from ..inputs import shipped
@@ -27,9 +29,52 @@ NO_PARAMETERS = ("command", "ros_arguments", "warnings")
 """Options of ``replay`` that are no parameters of its node."""
 OLD_RESIMULATE = "--simulate-again"
 """Option that made ``replay`` simulate a bag again."""
+EXAMPLES = "examples:"
+USES = {
+    "list": ["", "scenarios", "track --json"],
+    "init": ["scenario flat_fresh", "scenario damage_wheel_1 mine.yaml", "wheelset x40 my_wheelset.yaml"],
+    "run": [
+        "damage_wheel_1",
+        "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
+        "mine.yaml --duration 2 --out run.mcap",
+        "mine.yaml --out run.csv",
+    ],
+    "show": ["mixed", "mine.yaml --out mine.pdf --overwrite"],
+    "study": ["load_cases", "depth --dynamics paper --workers 2", "mine.yaml --out results/mine"],
+    "report": ["run.mcap", "run.mcap --measured wayside.csv --out page.html"],
+    "resimulate": ["run.mcap", "run.mcap --set 'wheel_1.damage.h=1 mm'"],
+    "recover": ["damaged.mcap", "damaged.mcap --out whole.mcap"],
+    "info": ["run.mcap", "run.mcap --json"],
+    "compare": ["run.mcap wayside.csv", "run.mcap wayside.csv --unit kN --offset 'wheel_1=10 t'"],
+    "stress": ["wayside.csv --wheelset trailer", "wayside.csv --speed 25 --nodes A1,B1 --out stress.csv"],
+    "cache": ["", "--clear", "--clear kernels"],
+    "demo": ["", "--out demo"],
+    "get": ["", "speed wheel_1.damage.h", "--node /train/w1 axle_load"],
+    "set": ["'speed=120 km/h'", "wheel_1.damage.a=0.02 'wheel_1.damage.h=1 mm'"],
+    "call": [
+        "pause",
+        "set_speed speed=30 acceleration=1",
+        "set_tread_damage 'damage=[{wheel: 1, a: 0.02, b: 0.016, h: 0.001}]'",
+    ],
+    "echo": ["summary", "state --count 1 --full", "contact_forces --json"],
+    "replay": ["run.mcap --rate 2 --loop", "run.mcap --ros-args -r __node:=replay"],
+}
+"""Arguments of each command in its examples."""
+
+
+class _Help(argparse.HelpFormatter):
+    """Wraps descriptions, and keeps the lines of examples."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if not text.startswith(EXAMPLES):
+            return super()._fill_text(text, width, indent)
+        return "\n".join(indent + line for line in text.splitlines())
 
 
 class _Parser(argparse.ArgumentParser):
+    def __init__(self, **options: Any) -> None:
+        super().__init__(formatter_class=_Help, **options)
+
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}: see {self.prog} --help")
 
@@ -41,8 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
-    # A node that is told to end before it has anything to close ends in order.
-    interrupted = 0 if given[:1] in (["node"], ["replay"]) else FAILED
+    # A node that is told to end before it has anything to close ends in order; a topic has no end of its own.
+    interrupted = 0 if given[:1] in (["node"], ["replay"], ["echo"]) else FAILED
     return status_of(partial(_run_command, given), PROGRAM, interrupted)
 
 
@@ -52,7 +97,10 @@ def _run_command(given: list[str]) -> int:
         if given[:1] == ["node"]:  # its arguments are those of every ROS node
             return _node(given[1:])
         own, of_ros = _split(given) if given[:1] == ["replay"] else (given, [])
-        options = _parser().parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
+        parser = _parser()
+        if "_ARGCOMPLETE" in os.environ:  # a shell asks how the line can go on
+            import_module("argcomplete").autocomplete(parser)
+        options = parser.parse_args(own, argparse.Namespace(ros_arguments=of_ros, warnings=warnings))
         if getattr(options, "out", None) is not None:
             require_folder(options.out)
         command: Callable[[argparse.Namespace], int] = options.command
@@ -83,12 +131,18 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog=PROGRAM, description="Wheel-rail impact loads and axle stresses of damaged wheels.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    _add_list(commands)
+    _add_init(commands)
     _add_run(commands)
     _add_show(commands)
     _add_study(commands)
     commands.add_parser("node", help="the ROS 2 node, with the arguments of every ROS node", add_help=False)
     _add_report(commands)
     _add_replay(commands)
+    _add_get(commands)
+    _add_set(commands)
+    _add_call(commands)
+    _add_echo(commands)
     _add_resimulate(commands)
     _add_recover(commands)
     _add_info(commands)
@@ -101,15 +155,21 @@ def _parser() -> argparse.ArgumentParser:
 
 def _command(commands: _Commands, name: str, what: str, details: str = "") -> _Parser:
     description = f"{what[0].upper()}{what[1:]}. {details}".strip()
-    return commands.add_parser(name, help=what, description=description)
+    return commands.add_parser(name, help=what, description=description, epilog=_examples(name))
+
+
+def _examples(name: str) -> str:
+    """Examples of a command, a line each."""
+    return "\n".join([EXAMPLES, *(f"  {PROGRAM} {name} {line}".rstrip() for line in USES[name])])
 
 
 def _takes_bag(command: _Parser, and_then: str = "") -> None:
     command.add_argument("bag", type=Path, metavar="BAG", help=f"an .mcap file or a bag folder{and_then}")
 
 
-def _takes_changes(command: _Parser, what: str = "change a key, such as speed=30") -> None:
-    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=what)
+def _takes_changes(command: _Parser, what: str = "change a key, such as 'speed=100 km/h'") -> None:
+    keys = "docs/scenarios.md lists the keys; numbers are in SI or have a unit"
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what} ({keys})")
 
 
 def _takes_threshold(command: _Parser, where: str = "") -> None:
@@ -156,14 +216,14 @@ def _matching(options: argparse.Namespace) -> Matching:
 
 
 def _reading(options: argparse.Namespace) -> Reading:
-    from ..inputs.units import value_of
+    from ..inputs.amounts import amount
     from ..twin.measured import Reading
     from ..twin.measured.measurement import WHEELS
 
     offsets: dict[str, float] = {}
     for text in options.offset:
         wheel, equals, force = text.rpartition("=")
-        value = value_of(force, "force", "--offset")
+        value = amount(force, "N", "--offset")
         offsets |= {wheel.strip(): value} if equals else dict.fromkeys(WHEELS, value)
     columns = {}
     for text in options.column:
@@ -182,14 +242,67 @@ def _may_overwrite(command: _Parser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace files that exist already")
 
 
+def _add_list(commands: _Commands) -> None:
+    listing = _command(commands, "list", "what comes with the package, a line each")
+    _takes_kind(listing, nargs="?", default=None)
+    _takes_json(listing, "tables")
+    listing.set_defaults(command=_list)
+
+
+def _takes_shipped(command: _Parser, name: str, further: str = "") -> None:
+    kind = shipped.kind_of(name)
+    what = f"a file, or the name of a shipped one (see list {kind}){further}"
+    named = command.add_argument(name, metavar=name.upper(), help=what)
+    _completed(named, lambda prefix, **_: [*shipped.names(kind), *map(str, Path().glob(f"{prefix}*"))])
+
+
+def _completed(argument: argparse.Action, completer: Callable[..., list[str]]) -> None:
+    """Let shells complete an argument."""
+    argument.completer = completer  # type: ignore[attr-defined]
+
+
+def _takes_kind(command: _Parser, **options: Any) -> None:
+    kinds = [shipped.singular(kind) for kind in shipped.kinds()]
+    kind = command.add_argument("kind", metavar="KIND", help=f"one of {', '.join(kinds)}", **options)
+    _completed(kind, lambda **_: kinds)
+
+
+def _list(options: argparse.Namespace) -> int:
+    from .listing import listed
+
+    return listed(options.kind, json=options.json)
+
+
+def _add_init(commands: _Commands) -> None:
+    init = _command(commands, "init", "copy a shipped scenario, wheelset, track, vehicle or study to a file to edit")
+    _takes_kind(init)
+    name = init.add_argument("name", metavar="NAME", help="name of a shipped one: see list KIND")
+    _completed(name, lambda parsed_args, **_: shipped.names(shipped.kind_of(parsed_args.kind)))
+    init.add_argument("file", type=Path, nargs="?", metavar="FILE", help="the copy (default: NAME.yaml in this folder)")
+    _may_overwrite(init)
+    init.set_defaults(command=_init)
+
+
+def _init(options: argparse.Namespace) -> int:
+    from .init import init
+
+    if options.file is not None:
+        require_folder(options.file)
+    return init(options.kind, options.name, options.file, PROGRAM, overwrite=options.overwrite)
+
+
 def _add_run(commands: _Commands) -> None:
     run = _command(commands, "run", "simulate without ROS, as fast as possible")
-    names = ", ".join(shipped.names("scenarios"))
-    run.add_argument("scenario", metavar="SCENARIO", help=f"a file, or one of {names}")
+    _takes_shipped(run, "scenario")
     _takes_changes(run)
     run.add_argument("--dynamics", help="causal (which streams) or paper (Green's functions as printed)")
     run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
-    run.add_argument("--out", type=Path, metavar="BAG", help="record the run: FILE.mcap, or the folder of a bag")
+    run.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="keep the run: a bag (FILE.mcap, or a folder without suffix), or a table (.csv, .parquet, .xlsx, .nc)",
+    )
     run.add_argument("--split-size", type=int, metavar="BYTES", help="size at which the bag goes on in another file")
     run.add_argument("--split-duration", type=float, metavar="S", help="time of the run after which it does")
     run.add_argument("--max-total-size", type=int, metavar="BYTES", help="above it the oldest files are removed")
@@ -244,9 +357,9 @@ def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, Impac
 
 def _add_show(commands: _Commands) -> None:
     show = _command(commands, "show", "a picture of a scenario: treads, rails, profiles, supports, wheelset")
-    show.add_argument("scenario", metavar="SCENARIO", help="a file, or the name of a shipped one")
+    _takes_shipped(show, "scenario")
     _takes_changes(show)
-    show.add_argument("--out", type=Path, metavar="FILE.png", help="the picture (default: NAME.png in this folder)")
+    show.add_argument("--out", type=Path, metavar="FILE", help="the picture: .png, .svg or .pdf (default: NAME.png)")
     _may_overwrite(show)
     show.set_defaults(command=_show)
 
@@ -259,8 +372,7 @@ def _show(options: argparse.Namespace) -> int:
 
 def _add_study(commands: _Commands) -> None:
     study = _command(commands, "study", "a parameter study: runs, figures, tables, summary")
-    names = ", ".join(shipped.names("studies"))
-    study.add_argument("study", metavar="STUDY", help=f"a file, one of {names}, or all of these")
+    _takes_shipped(study, "study", ", or all of these")
     study.add_argument(
         "--out", type=Path, metavar="DIR", help="folder of the results (default: results/STUDY-DYNAMICS)"
     )
@@ -270,6 +382,7 @@ def _add_study(commands: _Commands) -> None:
     study.add_argument(
         "--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://host:8786, does the runs"
     )
+    study.add_argument("--parquet", action="store_true", help="write tables as Parquet, too (extra analysis)")
     study.set_defaults(command=_study)
 
 
@@ -278,13 +391,17 @@ def _study(options: argparse.Namespace) -> int:
     from .study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return study(options.study, changes, options.out, Resources(options.workers, options.scheduler))
+    resources = Resources(options.workers, options.scheduler)
+    return study(options.study, changes, options.out, resources, parquet=options.parquet)
 
 
 def _add_report(commands: _Commands) -> None:
     report = _command(commands, "report", "a page and a table of a bag")
     _takes_bag(report)
     report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
+    report.add_argument(
+        "--picture", type=Path, metavar="FILE", help="the picture: .png, .svg or .pdf (default: .png beside the page)"
+    )
     _takes_threshold(report)
     report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
     _takes_place(report)
@@ -305,6 +422,7 @@ def _report(options: argparse.Namespace) -> int:
         options.measured,
         _matching(options),
         _reading(options),
+        picture=options.picture,
         overwrite=options.overwrite,
     )
 
@@ -314,8 +432,9 @@ def _add_replay(commands: _Commands) -> None:
         "replay",
         help="play a bag on the topics on which it was recorded",
         usage="%(prog)s [OPTION ...] BAG [--ros-args -p NAME:=VALUE -r FROM:=TO ...]",
-        description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter.",
-        epilog=f"To simulate its run again, use {PROGRAM} resimulate; replay {OLD_RESIMULATE} is the old name of that.",
+        description="Play a bag on the topics on which it was recorded, as a ROS 2 node. Each option is a parameter. "
+        f"To simulate its run again, use {PROGRAM} resimulate; replay {OLD_RESIMULATE} is the old name of that.",
+        epilog=_examples("replay"),
     )
     replay.add_argument("bag", type=Path, nargs="?", metavar="BAG", help="an .mcap file or a bag folder")
     replay.add_argument("--rate", type=float, metavar="R", help="times as fast (default: 1; 0: as fast as possible)")
@@ -334,6 +453,73 @@ def _replay(options: argparse.Namespace) -> int:
 
     parameters = {name: value for name, value in vars(options).items() if name not in NO_PARAMETERS}
     return replay(ros_arguments=options.ros_arguments, **parameters)
+
+
+def _of_node(command: _Parser) -> None:
+    command.add_argument("--node", default="wheelset_track_sim", metavar="NAME", help="of the node, with its namespace")
+    command.add_argument(
+        "--timeout", type=float, default=10.0, metavar="S", help="longest time to wait for the node (default: 10)"
+    )
+
+
+def _add_get(commands: _Commands) -> None:
+    get = _command(commands, "get", "parameters of a running node, where there is no ros2")
+    get.add_argument("parameters", nargs="*", metavar="NAME", help="names (default: all)")
+    _of_node(get)
+    _takes_json(get, "YAML")
+    get.set_defaults(command=_get)
+
+
+def _get(options: argparse.Namespace) -> int:
+    from .nodes import get
+
+    return get(options.node, options.parameters, options.timeout, json=options.json)
+
+
+def _add_set(commands: _Commands) -> None:
+    setting = _command(commands, "set", "set parameters of a running node, all or none")
+    setting.add_argument("changes", nargs="+", metavar="NAME=VALUE", help="in SI, or with a unit: 'speed=100 km/h'")
+    _of_node(setting)
+    setting.set_defaults(command=_set)
+
+
+def _set(options: argparse.Namespace) -> int:
+    from .nodes import set_parameters
+
+    return set_parameters(options.node, options.changes, options.timeout)
+
+
+def _add_call(commands: _Commands) -> None:
+    call = _command(commands, "call", "call a service of a running node", "The exit status is 1 if it has no success.")
+    call.add_argument("service", metavar="SERVICE", help="such as pause or set_speed: docs/interface.md lists them")
+    call.add_argument("fields", nargs="*", metavar="FIELD=VALUE", help="fields of the request in SI, as YAML")
+    _of_node(call)
+    _takes_json(call, "YAML")
+    call.set_defaults(command=_call)
+
+
+def _call(options: argparse.Namespace) -> int:
+    from .nodes import call
+
+    return call(options.node, options.service, options.fields, options.timeout, json=options.json)
+
+
+def _add_echo(commands: _Commands) -> None:
+    echo = _command(commands, "echo", "messages of a topic of a running node, until an interrupt")
+    echo.add_argument("topic", metavar="TOPIC", help="such as summary or state: docs/interface.md lists them")
+    echo.add_argument("--count", type=int, metavar="N", help="end after N messages")
+    echo.add_argument("--full", action="store_true", help="print long lists of numbers whole")
+    _of_node(echo)
+    _takes_json(echo, "YAML")
+    echo.set_defaults(command=_echo)
+
+
+def _echo(options: argparse.Namespace) -> int:
+    from .nodes import echo
+
+    if options.count is not None and options.count < 1:
+        raise InputError(f"--count {options.count} is out of range: give 1 or more")
+    return echo(options.node, options.topic, options.count, options.timeout, json=options.json, full=options.full)
 
 
 def _add_resimulate(commands: _Commands) -> None:

@@ -8,6 +8,7 @@ from ..bags import Bag
 from ..bags.bag_reader import beside
 from ..errors import InputError
 from ..report import plot_run, summary_table, survey
+from ..report.figures import check_picture
 from ..runtime.output_files import require_new
 from ..samples.impacts import ImpactSettings
 from ..twin.measured import Matching, Reading, compare, read_measurement
@@ -22,9 +23,10 @@ def report(
     matching: Matching | None = None,
     reading: Reading | None = None,
     *,
+    picture: Path | None = None,
     overwrite: bool = False,
 ) -> int:
-    """Write the page and the picture next to it, print the table; returns the exit status.
+    """Write the page and the picture, by default next to it, print the table; returns the exit status.
 
     ``measured`` is a file of measured loads or stresses, which the page shows beside the run; ``reading`` and
     ``matching`` say how to read it and where it lies. Without ``out`` the page is beside the bag.
@@ -38,7 +40,8 @@ def report(
             raise
         raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
     page = out or beside(bag, ".html")
-    picture = page.with_suffix(".png")
+    picture = picture or page.with_suffix(".png")
+    check_picture(picture)
     require_new([page, picture], overwrite=overwrite)
     run = survey(bag, settings)
     comparison = None

@@ -11,8 +11,10 @@ from typing import Any
 
 from rich.table import Table
 
+from ..bags.exports import check_steps, exported, form_of
 from ..bags.settings import RecordSettings
 from ..errors import InputError
+from ..inputs.amounts import in_unit
 from ..live.run_messages import record
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
@@ -46,19 +48,25 @@ def run(
 ) -> int:
     """Simulate a scenario and print its peaks; returns the exit status.
 
-    ``settings`` say how it is recorded to ``out``, ``impacts`` defines an impact there. ``warnings`` grow during the
-    run.
+    ``out`` is a bag, or a table by its suffix. ``settings`` say how a bag is recorded, ``impacts`` defines an impact
+    there. ``warnings`` grow during the run.
     """
     what = load_scenario(scenario, changes)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
+    bag, form = out, None if out is None else form_of(out)
+    if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
+        raise InputError(f"--out {out} is a table: options of bags need a bag, such as {out.with_suffix('.mcap')}")
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
+        if out is not None and form is not None:
+            check_steps(out, form, steps_left(simulator, duration))
+            bag = stack.enter_context(exported(out, form))
         simulator.settle()
         push: Callable[[SampleBlock, Summary], None] | None = None
-        if out is not None:
-            push = stack.enter_context(record(out, simulator, settings=settings, impacts=impacts))
+        if bag is not None:
+            push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts))
         chunk = CHUNK if push else LONG_CHUNK
         started = time.perf_counter()
         totals: Summary | None = None
@@ -70,12 +78,13 @@ def run(
             contacts.push(simulator, block)
             if push is not None:
                 push(block, part)
-            progress(f"simulate {what.name}", simulator.next_step / (simulator.next_step + left - len(block)))
+            share = simulator.next_step / (simulator.next_step + left - len(block))
+            progress(f"simulate {what.name}, {simulator.time:.2f} of {simulator.time / share:.2f} s", share)
         wall = time.perf_counter() - started
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
-    result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings]}
-    print_object(result) if json else terminal().print(table(result))
+    result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
+    print_object(result) if json else terminal().print(table(result, " at the start" if what.speed_plan else ""))
     return 0
 
 
@@ -95,6 +104,16 @@ def as_mapping(totals: Summary, simulated: float, wall: float) -> dict[str, Any]
         "real_time_factor": simulated / wall,
         **peaks(totals),
         "contact": contact(totals),
+    }
+
+
+def conditions(scenario: Scenario) -> dict[str, Any]:
+    """What ran on what, and how fast at the start."""
+    return {
+        "speed_m_s": scenario.speed,
+        "axle_load_N": scenario.axle_load,
+        "wheelset": scenario.wheelset.name,
+        "track": scenario.track.name,
     }
 
 
@@ -146,10 +165,15 @@ def pressures(scenario: Scenario, contacts: Contacts) -> dict[str, Any]:
     return found
 
 
-def table(result: dict[str, Any]) -> Table:
-    """The same for people: kN, MPa, ms."""
+def table(result: dict[str, Any], when: str = "") -> Table:
+    """The same for people: kN, MPa, ms; ``when`` the wheelset has the speed, if not always."""
+    speed, load = in_unit(result["speed_m_s"], "km/h", "m/s"), result["axle_load_N"]
     shown_as = Table(
-        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time"
+        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time\n"
+        f"{speed}{when}, {in_unit(load, 'kN', 'N')} axle load ({in_unit(load, 't', 'N')}), "
+        f"{result['wheelset']} on {result['track']}",
+        title_justify="left",
+        caption_justify="left",
     )
     for heading in ("", "maximum", "minimum", "contact loss"):
         shown_as.add_column(heading, justify="right" if heading else "left")

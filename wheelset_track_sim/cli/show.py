@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import InputError
+from ..report.figures import check_picture
 from ..report.pictures import show_scenario
 from ..runtime.output_files import file_name, require_new
 from ..scenario import load_scenario
@@ -15,8 +15,8 @@ from .progress import shown
 
 def show(name: str, changes: Sequence[str], out: Path | None, *, overwrite: bool) -> int:
     """Write the picture of a scenario; returns the exit status."""
-    if out is not None and out.suffix.lower() != ".png":
-        raise InputError(f"--out {out} is no picture: give a name that ends in .png")
+    if out is not None:
+        check_picture(out)
     scenario = load_scenario(name, changes)
     picture = out or Path(f"{file_name(scenario.name)}.png")
     require_new([picture], overwrite=overwrite)

@@ -10,15 +10,17 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from ..bags.exports import require_libraries
 from ..errors import WheelsetTrackError
 from ..inputs import shipped
+from ..inputs.schema import confirmed_numbers
 from ..runtime.progress import Progress
 from ..scenario import Scenario, scenario_from
 from ..studies.conduct import Resources, conduct
 from ..studies.results import Results
 from ..studies.study import FIGURES, Study, StudyRun, load_study
 from ..studies.summary_page import write_summary
-from ..studies.tables import ResultTable, tables, write_csv
+from ..studies.tables import ResultTable, tables, write_tables
 from .console import terminal
 from .progress import shown
 
@@ -38,15 +40,17 @@ class Task:
     out: Path
 
 
-def study(name: str, changes: Sequence[str], out: Path | None, resources: Resources) -> int:
+def study(name: str, changes: Sequence[str], out: Path | None, resources: Resources, *, parquet: bool = False) -> int:
     """Run a study, or all shipped ones, and print what came out; returns the exit status.
 
     Raises InputError before anything runs for whatever cannot be used in any of them.
     """
+    if parquet:
+        require_libraries("--parquet", ("pandas", "pyarrow"))
     names = shipped.names("studies") if name == ALL else [name]
     tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
     console = terminal()
-    failed = sum(_carry_out(each, resources, console) for each in tasks)
+    failed = sum(_carry_out(each, resources, console, parquet=parquet) for each in tasks)
     if failed:
         raise WheelsetTrackError(f"{failed} run{'s' * (failed > 1)} failed, as told above; the others are kept")
     return 0
@@ -56,7 +60,8 @@ def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
     """A study with all its scenarios; raises InputError for what cannot be used."""
     what = load_study(name)
     runs = what.runs(changes)
-    scenario = scenario_from(what.base(changes))
+    with confirmed_numbers():
+        scenario = scenario_from(what.base(changes))
     short = Path(name).stem
     return Task(short, what, scenario, runs, out or RESULTS / _folder(short, scenario, runs, changes))
 
@@ -68,11 +73,11 @@ def _folder(name: str, scenario: Scenario, runs: Sequence[StudyRun], changes: Se
     return "-".join([name, *dynamics, *(re.sub(r"[^\w.]+", "_", change).strip("_") for change in others)])
 
 
-def _carry_out(task: Task, resources: Resources, console: Console) -> int:
+def _carry_out(task: Task, resources: Resources, console: Console, *, parquet: bool) -> int:
     """Run, draw, write and print one study; returns how many runs failed."""
     with shown() as progress:
         results, there = conduct(task.name, task.study, task.runs, task.out, resources, progress)
-        files = _draw(task, results, progress)
+        files = _draw(task, results, progress, parquet=parquet)
     found = list(tables(results))
     made_by = results.made_by if task.runs else f"Scenario {task.scenario.name}, {task.scenario.dynamics} dynamics"
     pages = write_summary(task.out, task.study.title, task.study.description, made_by, found, files)
@@ -86,7 +91,7 @@ def _carry_out(task: Task, resources: Resources, console: Console) -> int:
     return len(results.failures)
 
 
-def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
+def _draw(task: Task, results: Results, progress: Progress, *, parquet: bool) -> list[Path]:
     files: list[Path] = []
     drawings = len(task.study.drawings)
     for number, drawing in enumerate(task.study.drawings):
@@ -94,7 +99,7 @@ def _draw(task: Task, results: Results, progress: Progress) -> list[Path]:
         progress(f"draw {task.name}", (number + 1) / drawings)
     for name in task.study.figures:
         files += FIGURES[name](task.out, task.scenario, progress)
-    return files + (write_csv(results, task.out) if task.runs else [])
+    return files + (write_tables(results, task.out, parquet=parquet) if task.runs else [])
 
 
 def _for_terminal(table: ResultTable, title: str) -> RichTable:

@@ -19,14 +19,28 @@ import difflib
 import math
 import types
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeVar
 
-from ..errors import InputError
+from ..errors import InputError, warn
+from . import amounts
 
 T = TypeVar("T")
+_confirmed: ContextVar[bool] = ContextVar("confirmed", default=False)
+
+
+@contextmanager
+def confirmed_numbers() -> Iterator[None]:
+    """Read bare numbers within as SI without doubt: they were read before, where a person gave them."""
+    token = _confirmed.set(True)
+    try:
+        yield
+    finally:
+        _confirmed.reset(token)
 
 
 @dataclass(frozen=True)
@@ -37,24 +51,84 @@ class Quantity:
     low: float
     high: float
     meaning: str
+    usual: tuple[float, float] | None = None
+    """Usual sizes, SI. A bare number out of them that another unit brings into them is reported."""
 
     def refusal(self, where: str, value: Any) -> str | None:
         """One line that says why ``value`` cannot be used at ``where``, or None."""
+        hint = ""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             found = f"{where} = {value!r} is not a number"
         elif not math.isfinite(value):
             found = f"{where} = {value} is not finite"
         elif not self.low <= value <= self.high:
             found = f"{where} = {value:g} {self.unit} is out of range".replace("  ", " ")
+            limits = (self.low, self.high)
+            meant = self._meant(value, *(self.usual or limits)) or self._meant(value, *limits)
+            hint = f"; {meant[0]} would be {meant[1]}" if meant else ""
         else:
             return None
-        return f"{found}: give {self.meaning or 'a value'} from {self.low:g} to {self.high:g} {self.unit}".rstrip()
+        return f"{found}: give {self.meaning or 'a value'} {self._limits}{hint}"
+
+    @property
+    def _limits(self) -> str:
+        return f"from {self.low:g} to {self.high:g} {self.unit}".rstrip()
+
+    def number(self, where: str, given: Any) -> Any:
+        """SI number of what a person gives, which may be a text with a unit; what is neither is returned as it is.
+
+        Raises InputError for a text that is no amount of this quantity, or is out of its limits. Issues an
+        InputWarning for a bare number that is within the limits and looks as if it were in another unit.
+        """
+        if not isinstance(given, str):
+            self.suspect(where, given)
+            return given
+        value = amounts.amount(given, self.unit, where)
+        if not self.low <= value <= self.high:
+            raise InputError(
+                f"{where} = {given}, which is {value:.6g} {self.unit}".rstrip()
+                + f", is out of range: give {self.meaning or 'a value'} {self._limits}"
+            )
+        return value
+
+    def suspect(self, where: str, given: Any) -> None:
+        """Issue an InputWarning for a bare number that can be used and looks as if it were in another unit."""
+        if _confirmed.get() or self.usual is None or not given or self.refusal(where, given):
+            return
+        low, high = self.usual
+        meant = None if low <= abs(given) <= high else self._meant(given, low, high)
+        if meant:
+            here = f"{given:g} {self.unit}"
+            usual = amounts.in_unit(given, amounts.others(self.unit)[0], self.unit)
+            warn(
+                f"{where} = {given:g} is taken as {here} ({usual}), and looks like {meant[0]} ({meant[1]}): "
+                f"write {meant[0]} if you mean that, and {here} otherwise"
+            )
+
+    def _meant(self, value: float, low: float, high: float) -> tuple[str, str] | None:
+        """A bare number in the first other unit that brings it between limits, and what it then is in SI."""
+        for name in amounts.others(self.unit):
+            meant = value * float(amounts.size_of(name, self.unit) or math.nan)
+            if low <= (meant if low < 0 else abs(meant)) <= high:
+                return f"{value:g} {name}", f"{meant:.6g} {self.unit}"
+        return None
 
 
-def quantity(unit: str, low: float, high: float, meaning: str = "", *, default: Any = dataclasses.MISSING) -> Any:
-    """Field of a frozen dataclass that holds a number with unit and limits; with a ``default`` of None, or None."""
+def quantity(
+    unit: str,
+    low: float,
+    high: float,
+    meaning: str = "",
+    *,
+    default: Any = dataclasses.MISSING,
+    usual: tuple[float, float] | None = None,
+) -> Any:
+    """Field of a frozen dataclass that holds a number with unit and limits; with a ``default`` of None, or None.
+
+    ``usual`` are sizes that are usual in practice: see ``Quantity``.
+    """
     field: Any = dataclasses.field
-    return field(default=default, metadata={"quantity": Quantity(unit, low, high, meaning)})
+    return field(default=default, metadata={"quantity": Quantity(unit, low, high, meaning, usual)})
 
 
 def parsed(reader: Callable[[Any, str], Any], writer: Callable[[Any], Any], **options: Any) -> Any:
@@ -104,11 +178,12 @@ def read(owner: type[T], data: Any, where: str) -> T:
     for name, field in fields.items():
         path = f"{where}.{name}".lstrip(".")
         if name in data:
-            refusal = _refusal(field, path, data[name])
+            given = _number(field, hints[name], path, data[name])
+            refusal = _refusal(field, path, given)
             if refusal:
                 raise InputError(refusal)
             reader = field.metadata.get("reader")
-            values[name] = reader(data[name], path) if reader else _value(hints[name], data[name], path)
+            values[name] = reader(given, path) if reader else value_as(hints[name], given, path)
         elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
             raise InputError(f"{path} is missing: give it in {where or 'the file'}")
     try:
@@ -159,6 +234,13 @@ def _refusal(field: dataclasses.Field[Any], where: str, value: Any) -> str | Non
     return declared.refusal(where, value)
 
 
+def _number(field: dataclasses.Field[Any], hint: Any, where: str, given: Any) -> Any:
+    """What is given for a field, in SI if that is a quantity; of a whole number, as one if it is one."""
+    declared: Quantity | None = field.metadata.get("quantity")
+    value = given if declared is None else declared.number(where, given)
+    return int(value) if hint is int and value is not given and value.is_integer() else value
+
+
 PLAIN: dict[Any, str] = {
     int: "a whole number",
     bool: "true or false",
@@ -171,8 +253,8 @@ def _hints(owner: Any) -> dict[str, Any]:
     return {name: hint for name, hint in typing.get_type_hints(owner).items() if name in owner.__dataclass_fields__}
 
 
-def _value(hint: Any, data: Any, where: str) -> Any:
-    """``data`` as the type that the annotation names."""
+def value_as(hint: Any, data: Any, where: str) -> Any:
+    """``data`` as the type that an annotation names; raises InputError, which begins with ``where``."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if origin is typing.Literal:
         if data not in arguments:
@@ -187,7 +269,8 @@ def _value(hint: Any, data: Any, where: str) -> Any:
             raise InputError(f"{where} has {len(data)} entries: give {len(arguments)}")
         hints = [arguments[0]] * len(data) if arguments[1:] == (...,) else arguments
         return tuple(
-            _value(item, entry, f"{where}.{index}") for index, (item, entry) in enumerate(zip(hints, data, strict=True))
+            value_as(item, entry, f"{where}.{index}")
+            for index, (item, entry) in enumerate(zip(hints, data, strict=True))
         )
     if dataclasses.is_dataclass(hint):
         if isinstance(data, hint):  # type: ignore[arg-type]
@@ -215,12 +298,12 @@ def _one_of(arguments: tuple[Any, ...], data: Any, where: str) -> Any:
         return read(kinds[data["type"]], {key: item for key, item in data.items() if key != "type"}, where)
     members = [kind for kind in arguments if kind is not type(None)]
     if len(members) == 1:
-        return _value(members[0], data, where)
+        return value_as(members[0], data, where)
     plain = [kind for kind in arguments if dataclasses.is_dataclass(kind)]
     if len(plain) == 1 and isinstance(data, Mapping):
-        return _value(plain[0], data, where)
+        return value_as(plain[0], data, where)
     for argument in arguments:
         if argument is type(data) or (argument is float and type(data) is int):
-            return _value(argument, data, where)
+            return value_as(argument, data, where)
     names = ", ".join(getattr(argument, "__name__", str(argument)) for argument in arguments)
     raise InputError(f"{where} = {data!r} is not of type {names}")

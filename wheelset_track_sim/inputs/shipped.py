@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from importlib.resources import files
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile, ZipFile
@@ -25,6 +27,36 @@ MAX_DEPTH = 8
 def names(kind: str, suffix: str = ".yaml") -> list[str]:
     """Names of the shipped files of a kind: ``scenarios``, ``wheelsets``, ``tracks``, ``studies``."""
     return sorted(entry.name.removesuffix(suffix) for entry in _folder(kind).iterdir() if entry.name.endswith(suffix))
+
+
+def kinds() -> list[str]:
+    """Kinds of shipped files that have names: ``scenarios``, ``studies`` and so on."""
+    return sorted(entry.name for entry in _folder("").iterdir() if entry.is_dir() and names(entry.name))
+
+
+def kind_of(text: str) -> str:
+    """Kind that a text names in its singular or plural; raises InputError."""
+    known = kinds()
+    for kind in known:
+        if text in (kind, singular(kind)):
+            return kind
+    raise InputError(unknown("kind of shipped file", repr(text), text, [singular(kind) for kind in known]))
+
+
+def text(kind: str, name: str) -> str:
+    """Text of a shipped file; raises InputError if there is none of that name."""
+    if name not in names(kind):
+        raise InputError(unknown(f"shipped {singular(kind)}", repr(name), name, names(kind)))
+    return read_text(_folder(kind) / f"{name}.yaml")
+
+
+def description(kind: str, name: str) -> str:
+    """What a shipped file is, in one line: its title, or the first sentence of the comment that it begins with."""
+    content = text(kind, name)
+    comment = " ".join(line.lstrip("# ") for line in takewhile(lambda line: line[:1] == "#", content.splitlines()))
+    found = re.match(r"(.+?)\.(\s|$)", comment)
+    titled = re.search(r"^title: *(.+)$", content, re.MULTILINE)
+    return titled[1].strip() if titled else found[1] if found else comment
 
 
 def file(kind: str, name: str) -> Traversable:

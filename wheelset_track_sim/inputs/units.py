@@ -6,10 +6,7 @@ Files for programs are in SI; text and figures for people have the units of the 
 from __future__ import annotations
 
 import math
-import re
 from typing import Literal, NamedTuple
-
-from ..errors import InputError
 
 Dimension = Literal["length", "angle", "time", "force", "stress", "level"]
 
@@ -71,8 +68,6 @@ FOR_PEOPLE = {
     **{si: ShownUnit(name, UNITS[name].size) for si, name in (("m", "mm"), ("N", "kN"), ("Pa", "MPa"), ("s", "ms"))},
 }
 """What people read in the place of an SI unit; the others are read as they are."""
-ACCEPTED = {unit.name: (si, unit) for si, unit in FOR_PEOPLE.items()} | {"t": ("N", ShownUnit("t", 9810.0))}
-"""Units beside SI in which a study may give values, by name, with the SI unit."""
 
 
 def unit_named(text: str) -> str:
@@ -90,20 +85,6 @@ def unit_named(text: str) -> str:
 def names_of(dimension: Dimension) -> list[str]:
     """Names of the units of a dimension."""
     return [name for name, unit in UNITS.items() if unit.dimension == dimension]
-
-
-def value_of(text: str, dimension: Dimension, what: str) -> float:
-    """Value in SI of a number with or without unit, such as ``98.1 kN``; without, it is in SI.
-
-    Raises InputError, which begins with ``what``, for anything else.
-    """
-    found = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", text)
-    unit = unit_named(found[2]) if found and found[2] else ""
-    if not found or (found[2] and (not unit or UNITS[unit].dimension != dimension)):
-        raise InputError(
-            f"{what} {text!r} is not a {dimension}: give a number with one of {', '.join(names_of(dimension))}"
-        )
-    return float(found[1]) * (UNITS[unit].size if unit else 1.0)
 
 
 def for_people(si: str) -> ShownUnit:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, ClassVar, Literal, Union
+from functools import cached_property, partial
+from typing import Any, ClassVar, Literal, Union, cast
 
 import numpy as np
 from numpy.random import Generator
 
 from ..errors import InputError
-from ..inputs.schema import check, quantity, quantity_of
+from ..inputs.amounts import amount
+from ..inputs.schema import check, parsed, plain, quantity, quantity_of, value_as
 from ..runtime.arrays import Real
 from .breakout import Breakout
 from .surface import WHEELS, Patch, Surface, check_shape
@@ -75,6 +76,23 @@ class LogNormal:
 
 Distribution = Union[float, Uniform, Normal, LogNormal]  # noqa: UP007  read at run time by schema
 """Of a quantity in its own unit; a number is always that number."""
+IN_UNIT = ("low", "high", "mean", "deviation", "median")
+"""Numbers of a distribution that have the unit of its quantity."""
+
+
+def _read(name: str, data: Any, where: str) -> Distribution:
+    """Distribution of a quantity of breakouts, from plain data."""
+    of = quantity_of(Breakout, name)
+    if isinstance(data, Mapping):
+        data = {
+            key: amount(item, of.unit, f"{where}.{key}") if key in IN_UNIT and isinstance(item, str) else item
+            for key, item in data.items()
+        }
+    return cast(Distribution, value_as(Distribution, of.number(where, data), where))
+
+
+def _distribution(name: str, **options: Any) -> Any:
+    return parsed(partial(_read, name), plain, **options)
 
 
 @dataclass(frozen=True)
@@ -87,16 +105,16 @@ class Cluster:
     type: ClassVar[str] = "cluster"
 
     on: Literal["wheel_1", "wheel_2"]
-    a: Distribution
+    a: Distribution = _distribution("a")
     """Longitudinal semi-axis, m."""
-    b: Distribution
+    b: Distribution = _distribution("b")
     """Lateral semi-axis, m."""
-    h: Distribution
+    h: Distribution = _distribution("h")
     """Depth, m."""
     number: int = quantity("", 1, 1000, "the number of breakouts")
-    angle: Distribution = Uniform(0.0, 2 * np.pi)
+    angle: Distribution = _distribution("angle", default=Uniform(0.0, 2 * np.pi))
     """Of the centre, rad, in the order in which the tread meets the rail."""
-    y: Distribution = 0.0
+    y: Distribution = _distribution("y", default=0.0)
     """Lateral position of the centre from the rolling circle, m."""
     seed: int = quantity("", 0, 2**32 - 1, "the seed of the draws", default=0)
 

@@ -15,6 +15,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..errors import InputError
 from ..runtime.arrays import Real
 from .files import write_whole
 from .samples import SampleSeries
@@ -41,6 +42,14 @@ STYLE: Any = {
 }
 
 
+PICTURES: dict[str, dict[str, None]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+"""Forms of pictures by suffix, with what would tell the time or the program's version and is left out."""
+
+
 @contextmanager
 def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
     """Figure in the style of the reports, with its title and, in grey, the model and dynamics that made it."""
@@ -53,11 +62,11 @@ def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
 
 
 def plot_run(run: Survey, path: Path) -> Path:
-    """Write one picture (PNG) of the part of a run to look at closely: forces on top, stresses below.
+    """Write one picture (PNG, SVG or PDF) of the part of a run to look at closely: forces on top, stresses below.
 
     Raises InputError if the path cannot be written.
     """
-    with rc_context(STYLE):
+    with rc_context({**STYLE, "svg.hashsalt": run.info.digest}):
         figure = Figure(figsize=(WIDTH, 6.4), dpi=DOTS, layout="constrained")
         axes = figure.subplots(2 if run.nodes else 1, 1, sharex=True, squeeze=False)[:, 0]
         part = detail(run)
@@ -66,14 +75,23 @@ def plot_run(run: Survey, path: Path) -> Path:
             axes[0].set_xlabel("")
             draw_stresses(axes[1], run, part)
         figure.suptitle(f"{title(run)}\n{description(run)}", fontsize=11, x=0.01, ha="left", parse_math=False)
-        return write_png(figure, path)
+        return write_picture(figure, path)
 
 
-def write_png(figure: Figure, path: Path) -> Path:
-    """Write a figure, whole or not at all; returns ``path``. Raises InputError if that cannot be written."""
-    content = io.BytesIO()
-    # The same figure makes the same file: the program's version does not stand in it.
-    figure.savefig(content, format="png", metadata={"Software": None})
+def check_picture(path: Path) -> None:
+    """Raise InputError unless a path names a picture by its suffix."""
+    if path.suffix.lower() not in PICTURES:
+        raise InputError(f"{path} is no picture: give a name that ends in {', '.join(PICTURES)}")
+
+
+def write_picture(figure: Figure, path: Path) -> Path:
+    """Write a figure as PNG, SVG or PDF, by its suffix, whole or not at all; returns ``path``.
+
+    Raises InputError if that cannot be written. The same figure makes the same file.
+    """
+    check_picture(path)
+    content, suffix = io.BytesIO(), path.suffix.lower()
+    figure.savefig(content, format=suffix.removeprefix("."), metadata=PICTURES[suffix])
     return write_whole(path, content.getvalue())
 
 

@@ -13,13 +13,12 @@ from rclpy.parameter import Parameter
 from ..bags.settings import RecordSettings
 from ..errors import InputError
 from ..inputs.schema import Quantity, quantity_of
-from ..irregularities import Breakout
 from ..live.pacing import Pace
 from ..monitoring.limits import Limits
 from ..samples.decimation import FACTOR
 from ..samples.impacts import ImpactSettings
 from ..scenario import Scenario, load_scenario
-from ..scenario.values import SCENARIO_NUMBERS, Values, values_of, with_values
+from ..scenario.values import SCENARIO_NUMBERS, Values, quantity_named, values_of, with_values
 from .declaring import declare, described, fixed, number, warn_of_unknown, whole
 
 T = TypeVar("T")
@@ -64,7 +63,7 @@ class Parameters:
         """The scenario without parameters."""
         self._listed = self.file.irregularities  # of which the parameters show the first of each wheel
         for name, value in values_of(self.file).items():
-            declare(node, name, value, number(_quantity(name)))
+            declare(node, name, value, number(quantity_named(name)))
         for field in dataclasses.fields(Pace):
             quantity = quantity_of(Pace, field.name)
             declare(node, field.name, field.default, number(quantity, read_only=field.name == "duration"))
@@ -154,8 +153,3 @@ def _of_recording(name: str, default: Any) -> ParameterDescriptor:
         return ParameterDescriptor(description=MODE)
     quantity = quantity_of(RecordSettings, name)
     return whole(quantity, described(quantity)) if isinstance(default, int) else number(quantity)
-
-
-def _quantity(name: str) -> Quantity:
-    *damage, last = name.split(".")
-    return quantity_of(Breakout if damage else Scenario, last)

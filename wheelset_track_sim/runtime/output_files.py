@@ -36,4 +36,4 @@ def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:
     """Raise InputError for the first path that is a file already, unless it may be overwritten."""
     for path in paths:
         if path.is_file() and not overwrite:
-            raise InputError(f"{path} exists already: give another path with --out, or --overwrite to replace it")
+            raise InputError(f"{path} exists already: give another path, or --overwrite to replace it")

@@ -1,7 +1,7 @@
 """What is simulated: read whole, typed and checked when it is loaded."""
 
 from .contact import ContactOptions
-from .loading import assign, load_scenario, override, scenario_from, take_in
+from .loading import assign, change_of, load_scenario, override, scenario_from, suspect, take_in
 from .loads import Loads
 from .profiles import Profiles
 from .scenario import WHEELS, Output, Scenario, SetPoint
@@ -15,8 +15,10 @@ __all__ = [
     "Scenario",
     "SetPoint",
     "assign",
+    "change_of",
     "load_scenario",
     "override",
     "scenario_from",
+    "suspect",
     "take_in",
 ]

@@ -12,6 +12,7 @@ from ..inputs import shipped
 from ..inputs.schema import read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
 from ..inputs.yaml12 import parse
+from .meaning import quantity_at
 from .scenario import TRACK, WHEELSET, Scenario
 
 MODELS = {"wheelset": WHEELSET, "track": TRACK, "vehicle": None}
@@ -74,11 +75,25 @@ def take_in(data: dict[str, Any]) -> None:
 
 def override(data: dict[str, Any], change: str) -> None:
     """Set one entry of nested mappings and lists by ``dotted.key=value``; the value is read as YAML."""
+    assign(data, *change_of(change), "--set ")
+
+
+def change_of(change: str, option: str = "--set") -> tuple[str, Any]:
+    """Dotted key and plain value of ``dotted.key=value``; ``option`` names it in messages."""
     key, equals, text = change.partition("=")
     key = key.strip()
     if not equals or not key:
-        raise InputError(f"--set {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001")
-    assign(data, key, parse(text, f"the value of --set {key}"), "--set ")
+        raise InputError(
+            f"{option} {change!r} is not of the form key=value, such as speed=30 or irregularities.0.h=0.001"
+        )
+    return key, parse(text, f"the value of {option} {key}")
+
+
+def suspect(key: str, value: Any, where: str) -> None:
+    """Issue an InputWarning for a value of a dotted key that looks as if it were in another unit."""
+    of = quantity_at(key)
+    if of is not None:
+        of.suspect(where, value)
 
 
 def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:

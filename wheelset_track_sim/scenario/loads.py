@@ -15,6 +15,9 @@ from ..wheelset.harmonics import GRAVITY
 from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset, mass_of
 
+STRESSES, FORCES, TORQUES = (1e5, 2e9), (1e3, 2e5), (50.0, 2e5)
+"""Sizes that are not doubted when they are given without a unit, Pa, N and N m."""
+
 
 @dataclass(frozen=True)
 class PressFit:
@@ -32,12 +35,12 @@ class ConstantStress:
     """Stress that is always there at a node, such as one from another calculation."""
 
     node: str
-    xx: float = quantity("Pa", -2e9, 2e9, "the constant stress xx", default=0.0)
-    yy: float = quantity("Pa", -2e9, 2e9, "the constant stress yy", default=0.0)
-    zz: float = quantity("Pa", -2e9, 2e9, "the constant stress zz", default=0.0)
-    xy: float = quantity("Pa", -2e9, 2e9, "the constant stress xy", default=0.0)
-    xz: float = quantity("Pa", -2e9, 2e9, "the constant stress xz", default=0.0)
-    yz: float = quantity("Pa", -2e9, 2e9, "the constant stress yz", default=0.0)
+    xx: float = quantity("Pa", -2e9, 2e9, "the constant stress xx", usual=STRESSES, default=0.0)
+    yy: float = quantity("Pa", -2e9, 2e9, "the constant stress yy", usual=STRESSES, default=0.0)
+    zz: float = quantity("Pa", -2e9, 2e9, "the constant stress zz", usual=STRESSES, default=0.0)
+    xy: float = quantity("Pa", -2e9, 2e9, "the constant stress xy", usual=STRESSES, default=0.0)
+    xz: float = quantity("Pa", -2e9, 2e9, "the constant stress xz", usual=STRESSES, default=0.0)
+    yz: float = quantity("Pa", -2e9, 2e9, "the constant stress yz", usual=STRESSES, default=0.0)
 
     def __post_init__(self) -> None:
         check(self)
@@ -52,8 +55,8 @@ class ConstantStress:
 class LateralForces:
     """Constant lateral forces of the rails on the wheels at their contacts, to the left positive, as in a curve."""
 
-    wheel_1: float = quantity("N", -2e5, 2e5, "the lateral force on wheel 1, to the left", default=0.0)
-    wheel_2: float = quantity("N", -2e5, 2e5, "the lateral force on wheel 2, to the left", default=0.0)
+    wheel_1: float = quantity("N", -2e5, 2e5, "the lateral force on wheel 1, to the left", usual=FORCES, default=0.0)
+    wheel_2: float = quantity("N", -2e5, 2e5, "the lateral force on wheel 2, to the left", usual=FORCES, default=0.0)
 
     def __post_init__(self) -> None:
         check(self)
@@ -69,7 +72,7 @@ class TorquePoint:
     """Torque at a time; between two of them it changes evenly."""
 
     time: float = quantity("s", 0.0, 1e6, "the time since the start")
-    torque: float = quantity("N m", -2e5, 2e5, "the torque at that time")
+    torque: float = quantity("N m", -2e5, 2e5, "the torque at that time", usual=TORQUES)
 
     def __post_init__(self) -> None:
         check(self)
@@ -83,7 +86,7 @@ class Loads:
     """Whether the wheelset has its weight where its mass is: the journals then carry the axle load less that."""
     press_fit: PressFit = field(default_factory=PressFit)
     stresses: tuple[ConstantStress, ...] = ()
-    torque: float = quantity("N m", -2e5, 2e5, "the torque on the wheelset", default=0.0)
+    torque: float = quantity("N m", -2e5, 2e5, "the torque on the wheelset", usual=TORQUES, default=0.0)
     """On all places together, about y: positive is traction, negative braking. Constant; changed during a run, the
     torque that is approached from then on."""
     torque_plan: tuple[TorquePoint, ...] = ()

@@ -10,9 +10,7 @@ from ..contact.geometry import OUTWARDS, ContactGeometry, ProfilePair
 from ..contact.named_profiles import COMPUTED, plain_profile, read_profile
 from ..contact.profiles import LateralProfile, gauge_face, inclined
 from ..errors import InputError
-from ..inputs.schema import Quantity, check, parsed, quantity
-
-GAUGE = Quantity("m", 0.9, 1.8, "the gauge")
+from ..inputs.schema import check, parsed, quantity
 
 
 def _profile(side: str, default: str) -> Any:
@@ -30,14 +28,11 @@ class Profiles:
     inclination: float = quantity(
         "", 0.0, 0.1, "the inclination of the rails to the middle of the track, such as 1/40 = 0.025", default=0.0
     )
-    gauge: float | None = None
+    gauge: float | None = quantity("m", 0.9, 1.8, "the gauge", default=None)
     """Distance of the rails, m, 14 mm below their tops; if None, each rolling circle is over the middle of its rail."""
 
     def __post_init__(self) -> None:
         check(self, "profiles")
-        refusal = None if self.gauge is None else GAUGE.refusal("profiles.gauge", self.gauge)
-        if refusal:
-            raise InputError(refusal)
 
     @lru_cache(maxsize=16)  # noqa: B019  profiles are few, and a live change of a scenario asks again
     def geometry(

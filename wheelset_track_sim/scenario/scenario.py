@@ -38,6 +38,8 @@ PAPER_BAND = 2500.0
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""
 
+USUAL_SPEED = (5.0, 65.0)
+"""Speeds that are not doubted when they are given without a unit, m/s: up to 234 km/h."""
 MIDDLE = np.zeros(1)
 
 
@@ -58,7 +60,7 @@ class SetPoint:
     """A speed that is approached from a time on."""
 
     time: float = quantity("s", 0.0, 1e6, "the time since the start")
-    speed: float = quantity("m/s", 5.0, 100.0, "the speed that is approached")
+    speed: float = quantity("m/s", 5.0, 100.0, "the speed that is approached", usual=USUAL_SPEED)
 
     def __post_init__(self) -> None:
         check(self)
@@ -85,9 +87,9 @@ class Scenario:
     """
 
     name: str
-    speed: float = quantity("m/s", 5.0, 100.0, "the running speed")
+    speed: float = quantity("m/s", 5.0, 100.0, "the running speed", usual=USUAL_SPEED)
     """At the start; changed during a run, the speed that is approached from then on."""
-    axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together")
+    axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together", usual=(4e4, 4e5))
     dynamics: Literal["causal", "paper"] = "causal"
     """``causal``: modal state space, which streams; ``paper``: Green's functions as printed, the reference."""
     wheelset: AnyWheelset = parsed(read_wheelset, plain_wheelset, default_factory=partial(load_wheelset, WHEELSET))

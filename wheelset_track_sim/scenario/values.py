@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError
+from ..inputs.schema import Quantity, quantity_of
 from ..irregularities import Breakout
 from .scenario import WHEELS, Scenario
 
@@ -27,6 +28,12 @@ def values_of(scenario: Scenario) -> dict[str, float]:
         for name, smooth in SIZE_C.items():
             values[f"{wheel}.damage.{name}"] = float(getattr(first, name)) if first else smooth
     return values
+
+
+def quantity_named(name: str) -> Quantity:
+    """Quantity of a value by its name."""
+    *damage, last = name.split(".")
+    return quantity_of(Breakout if damage else Scenario, last)
 
 
 def with_values(base: Scenario, values: Values) -> Scenario:

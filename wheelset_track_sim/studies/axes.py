@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import InputError
-from ..inputs import units
+from ..inputs import amounts, units
 from ..inputs.schema import keyed, unknown
+from ..scenario import suspect
 from ..scenario.meaning import meaning_of
 
 MOST_POINTS = 10_000
 
-FORMS = "a list of values, {start, stop, step}, {values}, or labels with {key: value} each"
+FORMS = "a list of values such as 100 km/h, {start, stop, step}, {values}, or labels with {key: value} each"
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,9 @@ class Axis:
         return {key for point in self.points for key, _ in point.changes}
 
     def point(self, value: Any, where: str) -> Point:
-        """Point of a value, in SI, or of a label; raises InputError for one that the axis does not have."""
+        """Point of a value, in SI or with its unit, or of a label; raises InputError for any other."""
+        if isinstance(value, str) and self.is_numeric:
+            value = amounts.amount(value, self.unit, where)
         for point in self.points:
             if value in (point.label, point.value) or (self.is_numeric and _close(value, point.value)):
                 return point
@@ -63,12 +66,17 @@ def read_axis(name: str, data: Any, where: str) -> Axis:
     """Axis of a study's ``vary``; raises InputError naming ``where``."""
     meaning, si = meaning_of(name)
     if isinstance(data, Mapping) and data and all(isinstance(changes, Mapping) for changes in data.values()):
+        for label, changes in data.items():
+            for key, value in changes.items():
+                suspect(str(key), value, f"{where}.{label}.{key}")
         points = [
             Point(str(label), str(label), tuple(keyed(changes, f"{where}.{label}").items()))
             for label, changes in data.items()
         ]
         return Axis(name, _distinct(points, where), name, "")
     values = _values(data, si, where)
+    for value in data if isinstance(data, list) else ():
+        suspect(name, value, where)
     numeric = all(isinstance(value, float) for value in values)
     unit = units.for_people(si) if numeric else units.ShownUnit("")
     points = [
@@ -87,18 +95,28 @@ def _values(data: Any, si: str, where: str) -> list[Any]:
                 known = ["start", "stop", "step", "values", "unit"]
                 raise InputError(unknown("key", f"{where}.{key}", str(key), known))
         size = _size(data.get("unit", si), si, where)
-        data = data.get("values") if "values" in data else _range(data, where)
+        data = data.get("values") if "values" in data else _range(data, si, size, where)
     if not isinstance(data, list) or not data:
         raise InputError(f"{where} = {data!r} is no axis: give {FORMS}")
+    found = [_in_si(value, si, size, f"{where}.{index}") for index, value in enumerate(data)]
     # Twelve digits: 0.05 mm times 3 is 0.00015 m, and nothing behind it.
-    return [float(f"{value * size:.12g}") if _is_number(value) else value for value in data]
+    return [float(f"{value:.12g}") if _is_number(value) else value for value in found]
 
 
-def _range(data: Mapping[str, Any], where: str) -> list[float]:
-    for key in ("start", "stop", "step"):
-        if not _is_number(data.get(key)):
+def _in_si(value: Any, si: str, size: float, where: str) -> Any:
+    """A number times the size of its unit, or that of a text with a unit of its own; anything else as it is."""
+    if isinstance(value, str) and si:
+        return amounts.amount(value, si, where)
+    return value * size if _is_number(value) else value
+
+
+def _range(data: Mapping[str, Any], si: str, size: float, where: str) -> list[float]:
+    """Numbers from start to stop, in a unit of the given size."""
+    given = {key: _in_si(data.get(key), si, size, f"{where}.{key}") for key in ("start", "stop", "step")}
+    for key, value in given.items():
+        if not _is_number(value):
             raise InputError(f"{where}.{key} = {data.get(key)!r} is not a number: give {FORMS}")
-    start, stop, step = (float(data[key]) for key in ("start", "stop", "step"))
+    start, stop, step = (value / size for value in given.values())
     intervals = (stop - start) / step if step else math.inf
     if not 0 <= intervals < MOST_POINTS:
         raise InputError(f"{where} from {start:g} to {stop:g} by {step:g} is no range: give up to {MOST_POINTS} values")
@@ -109,12 +127,11 @@ def _range(data: Mapping[str, Any], where: str) -> list[float]:
 
 def _size(name: Any, si: str, where: str) -> float:
     """Size of a unit in SI."""
-    if name == si:
-        return 1.0
-    known = [unit for unit, (of, _) in units.ACCEPTED.items() if of == si]
-    if name not in known:
-        raise InputError(unknown("unit of this quantity", f"{where}.unit = {name!r}", str(name), [si, *known]))
-    return units.ACCEPTED[str(name)][1].size
+    size = amounts.size_of(name, si) if isinstance(name, str) else None
+    if size is None:
+        known = [si, *amounts.others(si)]
+        raise InputError(unknown("unit of this quantity", f"{where}.unit = {name!r}", str(name), known))
+    return float(size)
 
 
 def _distinct(points: Iterable[Point], where: str) -> tuple[Point, ...]:

@@ -110,16 +110,16 @@ def conduct(
     missing = sorted(set(range(len(runs))) - set(found), key=lambda index: -runs[index].job.effort)
     failures: dict[int, str] = {}
 
-    def tell(share: float) -> None:
+    def tell(ended: int) -> None:
         if progress:
-            progress(f"study {name}", share)
+            progress(f"study {name}, {ended} of {len(runs)} runs", ended / len(runs))
 
     if missing and resources.scheduler is None:
         with suppress(WheelsetTrackError):  # of which the run itself will tell
             # Once for all: the workers then find most of the models in the cache.
             load_models(runs[missing[0]].scenario, progress, tables="smooth")
     if runs:
-        tell(there / len(runs))
+        tell(there)
     for index, ended in _done({index: runs[index].job for index in missing}, resources):
         if isinstance(ended, Result):
             store.save(keys[index], ended, f"study {name}, run {runs[index].label}")
@@ -129,7 +129,7 @@ def conduct(
             log.error("run %s failed: %s", runs[index].label, failures[index])
             if not isinstance(ended, WheelsetTrackError):
                 log.debug("run %s", runs[index].label, exc_info=ended)
-        tell((len(found) + len(failures)) / len(runs))
+        tell(len(found) + len(failures))
     return Results(name, study, tuple(runs), dict(sorted(found.items())), failures), there
 
 

@@ -1,4 +1,4 @@
-"""What the figures of the studies have in common: one look, curves over frequency; PNG, SVG and CSV side by side."""
+"""What the figures of the studies have in common: one look, curves over frequency; files of figures and tables."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import InputError
-from ..report.figures import COLOURS, finish
+from ..report.figures import COLOURS, PICTURES, finish
 from ..runtime.arrays import Complex, Real
 from ..runtime.output_files import file_name
 from ..scenario import Scenario
@@ -35,18 +35,28 @@ class Look:
 
 
 def save(out: Path, name: str, figure: Figure) -> list[Path]:
-    """Write ``name.png`` and ``name.svg`` into ``out``; raises InputError if they cannot be written."""
-    paths = [out / f"{file_name(name)}{suffix}" for suffix in (".png", ".svg")]
+    """Write a figure as PNG, SVG and PDF into ``out``; raises InputError if they cannot be written."""
+    paths = [out / f"{file_name(name)}{suffix}" for suffix in PICTURES]
     try:
         out.mkdir(parents=True, exist_ok=True)
         for path in paths:
-            # The same figure makes the same file: neither the time nor the program's version stands in it.
-            metadata = {"Date": None, "Creator": None} if path.suffix == ".svg" else {"Software": None}
-            figure.savefig(path, metadata=metadata)
-            figure.set_layout_engine("none")  # the layout is made: both files have the same
+            figure.savefig(path, metadata=PICTURES[path.suffix])
+            figure.set_layout_engine("none")  # the layout is made: all files have the same
     except OSError as reason:
         raise unwritable(out, reason) from None
     return paths
+
+
+def parquet(out: Path, name: str, columns: Mapping[str, Sequence[Any] | Real]) -> Path:
+    """Write ``name.parquet`` into ``out``: the same columns with all digits. Needs pandas and pyarrow."""
+    import pandas
+
+    path = out / f"{file_name(name)}.parquet"
+    try:
+        pandas.DataFrame(dict(columns)).to_parquet(path, engine="pyarrow")
+    except OSError as reason:
+        raise unwritable(out, reason) from None
+    return path
 
 
 def table(out: Path, name: str, columns: Mapping[str, Sequence[Any] | Real]) -> Path:

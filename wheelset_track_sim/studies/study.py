@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 from ..errors import InputError
 from ..inputs import shipped
-from ..inputs.schema import check, keyed, quantity, read, unknown
+from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
-from ..scenario import Scenario, assign, load_scenario, override, scenario_from, take_in
+from ..scenario import Scenario, assign, change_of, load_scenario, scenario_from, suspect, take_in
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
@@ -140,12 +140,15 @@ class Study:
         base = scenario_from(named) if isinstance(named, Mapping) else load_scenario(named)
         data = base.to_mapping()
         for key, value in self.set.items():
+            suspect(key, value, f"set.{key}")
             assign(data, key, copy.deepcopy(value), "set.")
         varied = {key for axis in self.axes for key in axis.keys}
         for change in changes:
             if change.partition("=")[0] in varied:
                 raise InputError(f"--set {change}: the study varies {change.partition('=')[0]} itself")
-            override(data, change)
+            key, value = change_of(change)
+            suspect(key, value, f"--set {key}")
+            assign(data, key, value, "--set ")
         return data
 
     def runs(self, changes: Sequence[str] = ()) -> tuple[StudyRun, ...]:
@@ -163,7 +166,8 @@ class Study:
                 for key, value in point.changes:
                     assign(data, key, copy.deepcopy(value), f"vary.{axis.name}: ")
             take_in(data)
-            scenario = scenario_from(data)
+            with confirmed_numbers():
+                scenario = scenario_from(data)
             self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None

@@ -31,8 +31,20 @@ class ResultTable:
     rows: tuple[tuple[str, ...], ...]
 
 
-def write_csv(results: Results, out: Path) -> list[Path]:
-    """Write ``results.csv`` with one row a run, and what else is kept of each run; SI units, in the headings."""
+def write_tables(results: Results, out: Path, *, parquet: bool = False) -> list[Path]:
+    """Write ``results.csv`` with one row a run, and what else is kept of each run; SI units, in the headings.
+
+    With ``parquet`` each table is also written as a file of Apache Parquet.
+    """
+    return [
+        write(out, name, columns)
+        for name, columns in _tables(results)
+        for write in ((drawing.table, drawing.parquet) if parquet else (drawing.table,))
+    ]
+
+
+def _tables(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Names of tables with their columns."""
     indices = range(len(results.runs))
     columns: dict[str, Any] = {}
     for axis in results.axes:
@@ -46,15 +58,14 @@ def write_csv(results: Results, out: Path) -> list[Path]:
         paper = [results.published(index, name) for index in indices]
         if np.isfinite(paper).any():
             columns[f"paper: {units.with_unit(label_of(name), unit_of(name))}"] = paper
-    paths = [drawing.table(out, "results", columns)] if results.study.outputs else []
+    if results.study.outputs:
+        yield "results", columns
     for index in sorted(results.found):
         label = re.sub(r"\W+", "_", results.runs[index].label).strip("_")
         if results.study.histories:
-            paths.append(drawing.table(out, f"history_{label}", _history(results, index)))
+            yield f"history_{label}", _history(results, index)
         for name in results.study.pressures:
-            file = f"pressure_{label}_{name.replace('.', '_')}"
-            paths.append(drawing.table(out, file, _pressure(results, index, name)))
-    return paths
+            yield f"pressure_{label}_{name.replace('.', '_')}", _pressure(results, index, name)
 
 
 def tables(results: Results) -> Iterator[ResultTable]:

@@ -6,14 +6,15 @@ import dataclasses
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..bags import Bag
 from ..bags.run_info import Input, in_order
 from ..errors import InputError, RecordingError, recorded_input
+from ..inputs.schema import confirmed_numbers
 from ..inputs.yaml12 import parse
-from ..scenario import WHEELS, Scenario, override, scenario_from
-from ..scenario.values import first_breakout, values_of, with_values
+from ..scenario import WHEELS, Scenario, assign, change_of, scenario_from, suspect
+from ..scenario.values import first_breakout, quantity_named, values_of, with_values
 from ..simulation.speed import Stretch
 
 FIXED = ("name", "step_length")
@@ -128,10 +129,13 @@ def _with(scenario: Scenario, setting: str) -> Scenario:
     if key in FIXED:
         raise InputError(f"--set {key}: {key} cannot be set for a recorded run: start a new one with run")
     if equals and key in values_of(scenario):
-        value: Any = parse(text, f"the value of --set {key}")
+        value = quantity_named(key).number(f"--set {key}", parse(text, f"the value of --set {key}"))
         if key == "speed":
             scenario = dataclasses.replace(scenario, speed_plan=())
         return with_values(scenario, values_of(scenario) | {key: value})
     data = scenario.to_mapping()
-    override(data, setting)
-    return scenario_from(data)
+    key, value = change_of(setting)
+    suspect(key, value, f"--set {key}")
+    assign(data, key, value, "--set ")
+    with confirmed_numbers():
+        return scenario_from(data)

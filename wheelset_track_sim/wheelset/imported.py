@@ -29,7 +29,6 @@ Rows = tuple[Numbers, ...]
 FREQUENCY = Quantity("Hz", 0.1, 1e5, "the natural frequency of the wheelset on its suspension")
 DAMPING = Quantity("", 1e-7, 5.0, "the damping ratio")
 MASS = Quantity("kg", 1e-12, 1e12, "the modal mass")
-DIAMETER = Quantity("m", 0.05, 0.4, "the axle's diameter at the node")
 ONE_SUSPENSION = 0.02
 """Share by which the stiffnesses of both suspensions may differ that follow from the modes."""
 IN_COMMON = 5.0
@@ -65,7 +64,7 @@ class ImportedNode:
     """(P, 6) Pa for a unit of each mode."""
     static: Rows
     """(2, 6) Pa/N: by 1 N upwards on wheel 1, and on wheel 2."""
-    diameter: float | None = None
+    diameter: float | None = quantity("m", 0.05, 0.4, "the axle's diameter at the node", default=None)
     """Of the axle there, m: torque needs it."""
     own_weight: Numbers = ()
     """(6,) Pa: by the wheelset's own weight, hung up in its suspension; ``loads.own_weight`` needs it."""
@@ -73,8 +72,7 @@ class ImportedNode:
     def __post_init__(self) -> None:
         if not NAME.fullmatch(self.name):
             raise InputError(f"stress node {self.name!r} cannot name a topic: give letters, digits, single underscores")
-        if self.diameter is not None and (refusal := DIAMETER.refusal(f"{self.name}.diameter", self.diameter)):
-            raise InputError(refusal)
+        check(self, self.name)
 
 
 @dataclass(frozen=True)

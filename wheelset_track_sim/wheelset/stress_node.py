@@ -12,29 +12,28 @@ from dataclasses import dataclass
 from math import pi
 
 from ..errors import InputError
-from ..inputs.schema import Quantity, quantity, unknown
-from .parts import Axle, Checked, Step
+from ..inputs.schema import check, quantity, unknown
+from .parts import Axle, Step
 
-Y = Quantity("m", -2.0, 2.0, "the axial position")
 NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
 LONGEST_NAME = 60
 
 
 @dataclass(frozen=True)
-class StressNode(Checked):
+class StressNode:
     """Point of the axle's surface, given by one of ``after`` and ``y``."""
 
     name: str
     """Names the node's topic too: letters, digits and single underscores."""
     after: str | None = None
     """The section at whose end the fillet is: there, the y at which its top is stressed most, statically."""
-    y: float | None = None
+    y: float | None = quantity("m", -2.0, 2.0, "the axial position", default=None)
     """Axial position, m."""
     angle: float = quantity("rad", -2 * pi, 2 * pi, "the angle from the top, to the front first,", default=0.0)
     """Around the axle in the sense in which it turns: 0 is the top, pi / 2 the front, pi the bottom."""
 
     def __post_init__(self) -> None:
-        super().__post_init__()
+        check(self, f"stress_nodes.{self.name}")
         if not NAME.fullmatch(self.name) or len(self.name) > LONGEST_NAME:
             raise InputError(
                 f"stress node {self.name!r} cannot name a topic: give at most {LONGEST_NAME} letters, digits and "
@@ -42,10 +41,6 @@ class StressNode(Checked):
             )
         if (self.after is None) == (self.y is None):
             raise InputError(f"stress node {self.name} needs its fillet or its position: give one of after and y")
-        if self.y is not None:
-            refusal = Y.refusal(f"stress_nodes.{self.name}.y", self.y)
-            if refusal:
-                raise InputError(refusal)
 
     def on(self, step: Step) -> bool:
         """Whether it is on a fillet."""

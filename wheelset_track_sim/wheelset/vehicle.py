@@ -40,14 +40,13 @@ from scipy.linalg import block_diag, eigh
 
 from ..errors import InputError
 from ..inputs import shipped
-from ..inputs.schema import Quantity, check, plain, quantity, read, unknown
+from ..inputs.schema import check, plain, quantity, read, unknown
 from ..runtime.arrays import Real
 
 FLOAT = 0.1
 """Frequency, Hz, at which a car body floats on what carries its weight; it takes 1 % off the body's inertia at 1 Hz."""
 FLOAT_DAMPING = 0.1
 """Damping ratio of that."""
-BODY = Quantity("kg", 100.0, 2e4, "the mass of the car body on this side, or none for a body that does not move")
 LONGEST_SETTLING = 10.0
 """s; for a vehicle that is hardly damped."""
 
@@ -59,15 +58,14 @@ class Vehicle:
     bogie_mass: float = quantity("kg", 10.0, 1e6, "the mass of the bogie frame on this side")
     secondary_stiffness: float = quantity("N/m", 1e4, 1e9, "the vertical stiffness of the secondary suspension")
     secondary_damping: float = quantity("N s/m", 0.0, 1e6, "the vertical damping of the secondary suspension")
-    body_mass: float | None = None
+    body_mass: float | None = quantity(
+        "kg", 100.0, 2e4, "the mass of the car body on this side, or none for a body that does not move", default=None
+    )
     """Mass of the car body on this side, kg; None for one that does not move."""
     name: str = "vehicle"
 
     def __post_init__(self) -> None:
         check(self)
-        refusal = None if self.body_mass is None else BODY.refusal("body_mass", self.body_mass)
-        if refusal:
-            raise InputError(refusal)
 
     def matrices(self, spring: float, dashpot: float) -> tuple[Real, Real, Real]:
         """Mass, damping and stiffness (E, E) of frame and body of one side on a primary ``spring`` and ``dashpot``."""

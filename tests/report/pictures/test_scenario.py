@@ -89,7 +89,7 @@ def test_the_papers_wheelset_and_track_are_nothing_special():
 
 @pytest.mark.slow
 def test_the_command_writes_a_picture_and_refuses_in_one_line(tmp_path, capsys):
-    out = tmp_path / "new" / "picture.png"
+    out = tmp_path / "picture.png"
     assert main(["show", "damage_both", "--set", "irregularities.0.h=0.001", "--out", str(out)]) == 0
     picture = imread(out)
     assert picture.shape[1] == 1200

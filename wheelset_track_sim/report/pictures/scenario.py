@@ -14,7 +14,7 @@ from ...scenario import WHEELS, Profiles, Scenario
 from ...scenario.scenario import WHEELSET
 from ...wheelset.kinds import load_wheelset, reduce_wheelset
 from ...wheelset.section_outline import section_outline
-from ..figures import new_figure, write_png
+from ..figures import new_figure, write_picture
 from .structures import draw_profiles, draw_supports, draw_wheelset, uneven
 from .surfaces import SurfaceHeights, draw_along, draw_map, irregular_surfaces
 
@@ -33,7 +33,7 @@ class PictureRow(NamedTuple):
 
 
 def show_scenario(scenario: Scenario, path: Path, progress: Progress | None = None) -> Path:
-    """Write the picture (PNG) of a scenario; returns its path.
+    """Write the picture (PNG, SVG or PDF) of a scenario; returns its path.
 
     Raises InputError for a scenario that cannot be used, as the simulator does, and for a path that cannot be written.
     """
@@ -41,13 +41,13 @@ def show_scenario(scenario: Scenario, path: Path, progress: Progress | None = No
 
 
 def write_rows(path: Path, title: str, note: str, rows: Sequence[PictureRow]) -> Path:
-    """Write rows as one picture (PNG); returns its path. Raises InputError for a path that cannot be written."""
+    """Write rows as one picture; returns its path. Raises InputError for a path that cannot be written."""
     heights = [SPACE, *(row.height for row in rows), SPACE]
     with new_figure(sum(heights), title, note) as figure:
         parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)
         for part, row in zip(parts[1:-1, 0], rows, strict=True):
             row.draw(part)
-        return write_png(figure, path)
+        return write_picture(figure, path)
 
 
 def rows_of(scenario: Scenario, progress: Progress | None = None) -> list[PictureRow]:
