@@ -177,14 +177,16 @@ def surfaces(run: Survey) -> str:
 def _revisions(run: Survey) -> str:
     """Table of what was in force, revision by revision."""
     head = (
-        "<th>revision</th><th>step</th><th>from</th><th>speed driven</th><th>set point</th><th>axle load</th>"
+        "<th>revision</th><th class='wide'>step</th><th>from</th><th>speed driven</th><th class='wide'>set point</th>"
+        "<th class='wide'>axle load</th>"
         "<th class='text'>irregularities of treads and rails</th>"
     )
     listed = run.in_force[:MOST_STATES]
     lines = "".join(
-        f"<tr><td>{held.revision}</td><td>{held.step}</td><td>{held.time:.4f} s</td>"
+        f"<tr><td>{held.revision}</td><td class='wide'>{held.step}</td><td>{held.time:.4f} s</td>"
         f"<td>{between(held.speeds, 1 / 3.6, 'km/h') if held.speeds else 'none'}</td>"
-        f"<td>{_known(3.6 * held.set_point, 'km/h')}</td><td>{_known(held.axle_load / 1e3, 'kN')}</td>"
+        f"<td class='wide'>{_known(3.6 * held.set_point, 'km/h')}</td>"
+        f"<td class='wide'>{_known(held.axle_load / 1e3, 'kN')}</td>"
         f"<td class='text'>{_irregularities(held, before)}</td></tr>"
         for before, held in zip([None, *listed], listed, strict=False)
     )
