@@ -115,7 +115,13 @@ def test_every_import_has_its_dependency_and_every_dependency_is_imported():
     config = ConfigParser()
     config.read(ROOT / "setup.cfg")
     extras = config["options.extras_require"]
-    optional = set(re.findall(r"^[\w.-]+", "\n".join(extras[name] for name in ("prometheus", "report", "dask")), re.M))
+    optional = set(
+        re.findall(
+            r"^[\w.-]+",
+            "\n".join(extras[name] for name in ("prometheus", "report", "dask", "analysis", "completion")),
+            re.M,
+        )
+    )
     provided = {module for key in listed - {"wheelset_track_msgs"} for module in KEYS[key]["imports"].split()}
     assert imported() - optional == provided | {"wheelset_track_msgs"}
     required = re.findall(r"^[\w-]+", config["options"]["install_requires"], re.MULTILINE)

@@ -275,7 +275,7 @@ def test_seek_beyond_the_bag_is_refused_with_its_range(seconds):
 
 @pytest.mark.parametrize("rate", [-1.0, 1001.0, float("nan"), float("inf")])
 def test_rate_out_of_range_is_refused(rate):
-    with pytest.raises(InputError, match=r"^rate = .* from 0 to 1000$"):
+    with pytest.raises(InputError, match=r"^rate = .* from 0 to 1000"):
         Session(Tape([0])).player.set_rate(rate)
 
 

@@ -49,6 +49,7 @@ def start(domain, tmp_path, running):
             named = {name.replace("__", "."): value for name, value in parameters.items()}
             node = NodeProcess(environment | (env or {}), named, arguments, program)
             running.append(node)
+            stack.callback(node.close)
             stack.callback(end, node.process)
             return node
 

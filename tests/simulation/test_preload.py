@@ -34,7 +34,7 @@ def change(simulator, **values):
 
 def ripple(models, load):
     """Half the ripple of the force at the sleepers under a load, N."""
-    found, _ = forces(Simulator(load_scenario("undamaged", [f"axle_load={load}"]), models=models), 0.1)
+    found, _ = forces(Simulator(load_scenario("undamaged", [f"axle_load={load} N"]), models=models), 0.1)
     return np.ptp(found) / 2
 
 
@@ -49,7 +49,7 @@ def test_the_force_follows_the_load_and_ends_as_if_it_had_always_been_there(mode
     wanted = (LOAD + (load - LOAD) * share) / 2
     allowed = max(ripple(models, load), ripple(models, LOAD)) + 0.01 * abs(load - LOAD) / 2
     assert np.abs(found - wanted[:, np.newaxis]).max() < 1.1 * allowed
-    always = Simulator(load_scenario("undamaged", [f"axle_load={load}"]), models=models)
+    always = Simulator(load_scenario("undamaged", [f"axle_load={load} N"]), models=models)
     expected, _ = forces(always, times[-1])
     np.testing.assert_allclose(found[-5000:], expected[-5000:], atol=2e-4 * load / 2)
 

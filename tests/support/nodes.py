@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -26,9 +27,10 @@ class NodeProcess:
             command += ["--ros-args", *given]
         self.ended = False
         """Whether the test knows that it has ended."""
-        self.process = subprocess.Popen(
-            command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-        )
+        # Files and not pipes: a node that logs every change would fill a pipe that nobody reads, and stand still.
+        self._written = [tempfile.TemporaryFile("w+", encoding="utf-8") for _ in range(2)]  # noqa: SIM115  see close
+        out, errors = self._written
+        self.process = subprocess.Popen(command, env=environment, stdout=out, stderr=errors, start_new_session=True)
 
     def signal(self, number):
         """Exit status after a signal."""
@@ -38,12 +40,26 @@ class NodeProcess:
     def wait(self, timeout=PATIENCE):
         """Exit status; ``output`` and ``errors`` hold what was written."""
         try:
-            self.output, self.errors = self.process.communicate(timeout=timeout)
+            self.process.wait(timeout)
         except subprocess.TimeoutExpired:
             self.process.send_signal(signal.SIGABRT)  # the fault handler tells where it hangs
-            pytest.fail("the node did not end:\n" + "\n".join(self.process.communicate()))
+            self.process.wait()
+            pytest.fail("the node did not end:\n" + "\n".join(self._read()))
+        self.output, self.errors = self._read()
         self.ended = True
         return self.process.returncode
+
+    def _read(self):
+        texts = []
+        for file in self._written:
+            file.seek(0)
+            texts.append(file.read())
+        return texts
+
+    def close(self):
+        """Forget what was written."""
+        for file in self._written:
+            file.close()
 
 
 def end(process):

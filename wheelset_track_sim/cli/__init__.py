@@ -9,7 +9,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         from .command_line import main as run
     except KeyboardInterrupt:
-        return 0 if (sys.argv[1:] if arguments is None else [*arguments])[:1] in (["node"], ["replay"]) else 1
+        given = sys.argv[1:] if arguments is None else [*arguments]
+        if given[:1] in (["node"], ["replay"]) and "--simulate-again" not in given:
+            return 0
+        print("wheelset-track-sim: interrupted", file=sys.stderr)  # noqa: T201
+        return 1
     return run(arguments)
 
 

@@ -7,6 +7,7 @@ thread answers it when its turn has come.
 
 from __future__ import annotations
 
+import traceback
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from threading import BoundedSemaphore
@@ -16,6 +17,7 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.exceptions import InvalidHandle
+from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
@@ -40,8 +42,12 @@ class Turns:
 
         def serve(request: Any, response: Any, header: Any) -> None:
             self._room.release()
-            with suppress(InvalidHandle):  # the node has been destroyed meanwhile
+            try:
                 send(answer(request, response), header)
+            except InvalidHandle:  # the node has been destroyed meanwhile
+                pass
+            except Exception:  # noqa: BLE001  the next one must be answered
+                get_logger("turns").fatal(traceback.format_exc())
 
         def taken(both: tuple[Any, Any], header: Any) -> None:
             if not self._room.acquire(blocking=False):
