@@ -10,7 +10,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from .command_line import main as run
     except KeyboardInterrupt:
         given = sys.argv[1:] if arguments is None else [*arguments]
-        if given[:1] in (["node"], ["replay"]) and "--simulate-again" not in given:
+        if given[:1] in (["node"], ["replay"], ["echo"]) and "--simulate-again" not in given:
             return 0
         print("wheelset-track-sim: interrupted", file=sys.stderr)  # noqa: T201
         return 1

@@ -87,7 +87,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     keep_freed_memory()
     # A node that is told to end before it has anything to close ends in order; a topic has no end of its own.
-    interrupted = 0 if given[:1] in (["node"], ["replay"], ["echo"]) else FAILED
+    proof = OLD_RESIMULATE in given
+    interrupted = 0 if given[:1] in (["node"], ["replay"], ["echo"]) and not proof else FAILED
     return status_of(partial(_run_command, given), PROGRAM, interrupted)
 
 
