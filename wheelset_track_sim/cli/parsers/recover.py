@@ -1,0 +1,28 @@
+"""Arguments of ``recover``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .options import takes_bag
+from .parser import Commands, command
+
+
+def add(commands: Commands) -> None:
+    """Add the command."""
+    recover = command(
+        commands,
+        "recover",
+        "make a whole bag of what can be read of a damaged one",
+        uses=["damaged.mcap", "damaged.mcap --out whole.mcap"],
+    )
+    takes_bag(recover, "; it stays as it is")
+    recover.add_argument("--out", type=Path, metavar="NEW", help="the new bag (default: BAG_recovered beside it)")
+    recover.set_defaults(command=_recover)
+
+
+def _recover(options: argparse.Namespace) -> int:
+    from ..recover import run_recover
+
+    return run_recover(options.bag, options.out)
