@@ -43,9 +43,13 @@ def rows(run: Survey) -> list[TableRow]:
     load = run.wheel_load
     passage = _figures(run.passage.summary, load) if run.passage else {}
     printed = _figures(run.passage.case.printed, load) if run.passage else {}
-    return [
+    found = [
         TableRow(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
         for (label, unit), value in _figures(run.summary, load).items()
+    ]
+    amplitudes = zip(run.nodes, run.amplitudes, strict=True)
+    return found + [
+        TableRow(f"Bending amplitude {node}", "MPa", of / 1e6) for node, of in amplitudes if not math.isnan(of)
     ]
 
 
