@@ -109,7 +109,7 @@ def _surroundings(program: str, reason: OSError) -> int:
     why, path = reason.strerror or str(reason), reason.filename
     if path is None or reason.errno not in OF_PATHS:
         where = "" if path is None else f"{os.fsdecode(path)}: "
-        return complain(program, f"{where}{why}: see to it, and try again", FAILED)
+        return complain(program, f"{where}{why}: remove the cause, and try again", FAILED)
     return complain(program, f"{os.fsdecode(path)} cannot be used ({why}): give another path", REFUSED)
 
 

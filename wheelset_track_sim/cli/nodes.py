@@ -114,5 +114,5 @@ def _needs_ros(command: str) -> Iterator[None]:
         if missing.name not in {"rclpy", "wheelset_track_msgs"}:
             raise
         raise InputError(
-            f"{command} needs ROS 2 Jazzy, and {missing.name} is not there: run make setup, or source the installation"
+            f"{command} needs ROS 2 Jazzy, but {missing.name} is not installed: run make setup, or source ROS 2"
         ) from None

@@ -101,7 +101,7 @@ def _names(arguments: Sequence[str]) -> list[str]:
     parser.add_argument(
         "--fleet",
         metavar="N | NAME,NAME,...",
-        help="several nodes in one process, each with topics, parameters and lifecycle of its own: "
+        help="run several nodes in one process, each with its own topics, parameters and lifecycle: "
         "wheelset_1 to wheelset_N, or the names given",
     )
     try:

@@ -13,7 +13,7 @@ def add(commands: Commands) -> None:
     cache = command(
         commands,
         "cache",
-        "models and compiled functions on disk: where, how many, how large, last use",
+        "list or remove the models and compiled functions stored on disk",
         uses=["", "--clear", "--clear kernels"],
     )
     cache.add_argument(
@@ -21,7 +21,7 @@ def add(commands: Commands) -> None:
         nargs="?",
         const="all",
         metavar="KIND",
-        help="remove one kind, or all: models are built again when needed",
+        help="remove all, or one kind; what is needed later is built again",
     )
     takes_json(cache)
     cache.set_defaults(command=_cache)

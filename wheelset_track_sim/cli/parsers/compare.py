@@ -15,11 +15,11 @@ def add(commands: Commands) -> None:
     compare = command(
         commands,
         "compare",
-        "a bag beside measured wheel forces or axle stresses",
+        "compare a bag with measured wheel forces or axle stresses",
         uses=["run.mcap wayside.csv", "run.mcap wayside.csv --unit kN --offset 'wheel_1=10 t'"],
     )
     takes_bag(compare)
-    compare.add_argument("measured", type=Path, metavar="FILE", help="a text file or a bag")
+    compare.add_argument("measured", type=Path, metavar="FILE", help="the measurement: a text file or a bag")
     takes_place(compare)
     takes_measured(compare)
     takes_threshold(compare)

@@ -16,7 +16,13 @@ def add(commands: Commands) -> None:
         "stream, record and report the paper's Section 5.1 through the ROS 2 node",
         uses=["", "--out demo"],
     )
-    demo.add_argument("--out", type=Path, default=Path("demo"), metavar="DIR", help="folder of bags and pictures")
+    demo.add_argument(
+        "--out",
+        type=Path,
+        default=Path("demo"),
+        metavar="DIR",
+        help="folder of the bag, the page and the picture (default: demo)",
+    )
     demo.set_defaults(command=_demo)
 
 

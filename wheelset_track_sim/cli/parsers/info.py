@@ -11,7 +11,10 @@ from .parser import Commands, command
 def add(commands: Commands) -> None:
     """Add the command."""
     info = command(
-        commands, "info", "what is in a bag: steps, revisions, peaks, gaps, files", uses=["run.mcap", "run.mcap --json"]
+        commands,
+        "info",
+        "print the contents of a bag: steps, revisions, peaks, gaps and files",
+        uses=["run.mcap", "run.mcap --json"],
     )
     takes_bag(info)
     takes_json(info, "tables")

@@ -20,9 +20,9 @@ def add(commands: Commands) -> None:
         uses=["scenario flat_fresh", "scenario damage_wheel_1 mine.yaml", "wheelset x40 my_wheelset.yaml"],
     )
     takes_kind(init)
-    name = init.add_argument("name", metavar="NAME", help="name of a shipped one: see list KIND")
+    name = init.add_argument("name", metavar="NAME", help="its name, as list KIND prints it")
     completed(name, lambda parsed_args, **_: shipped.names(shipped.kind_of(parsed_args.kind)))
-    init.add_argument("file", type=Path, nargs="?", metavar="FILE", help="the copy (default: NAME.yaml in this folder)")
+    init.add_argument("file", type=Path, nargs="?", metavar="FILE", help="where to write the copy (default: NAME.yaml)")
     may_overwrite(init)
     init.set_defaults(command=_init)
 

@@ -11,7 +11,10 @@ from .parser import Commands, command
 def add(commands: Commands) -> None:
     """Add the command."""
     listing = command(
-        commands, "list", "what comes with the package, a line each", uses=["", "scenarios", "track --json"]
+        commands,
+        "list",
+        "list the shipped scenarios, wheelsets, tracks, vehicles and studies",
+        uses=["", "scenarios", "track --json"],
     )
     takes_kind(listing, nargs="?", default=None)
     takes_json(listing, "tables")

@@ -15,30 +15,44 @@ if TYPE_CHECKING:
 def takes_measured(command: Parser) -> None:
     """Add options that say how to read a measurement."""
     command.add_argument(
-        "--unit", action="append", default=[], metavar="UNIT", help="of forces, stresses or time, instead of the file's"
+        "--unit",
+        action="append",
+        default=[],
+        metavar="UNIT",
+        help="unit of forces, stresses or time, if the file does not name it; repeat the option for more",
     )
     command.add_argument(
-        "--sign", choices=("compression", "tension"), default="compression", help="what a positive force in the file is"
+        "--sign",
+        choices=("compression", "tension"),
+        default="compression",
+        help="meaning of a positive force in the file (default: compression)",
     )
     command.add_argument(
         "--offset",
         action="append",
         default=[],
         metavar="[WHEEL=]FORCE",
-        help="add a force, such as 98.1kN or wheel_1=98.1kN, where a signal has no static load",
+        help="static load to add to forces measured without it, such as '98.1 kN' or 'wheel_1=98.1 kN'",
     )
     command.add_argument(
-        "--column", action="append", default=[], metavar="WHEEL=NAME", help="column that holds wheel_1 or wheel_2"
+        "--column",
+        action="append",
+        default=[],
+        metavar="WHEEL=NAME",
+        help="name of the column that holds a wheel, such as wheel_1=force_right",
     )
 
 
 def takes_place(command: Parser) -> None:
     """Add options that say where a measurement lies in the run."""
     command.add_argument(
-        "--lag", type=float, metavar="S", help="zero of the measurement in the simulation, about, s or m"
+        "--lag",
+        type=float,
+        metavar="S",
+        help="approximate place of the start of the measurement in the run, s or m, if it is ambiguous",
     )
     command.add_argument(
-        "--origin", metavar="TIME", help="time stamp in the file at which the simulation begins, about: s, or ISO 8601"
+        "--origin", metavar="TIME", help="approximate time stamp in the file at which the run begins: s, or ISO 8601"
     )
 
 
@@ -68,6 +82,8 @@ def reading_of(options: argparse.Namespace) -> Reading:
     for text in options.column:
         wheel, equals, name = text.partition("=")
         if not equals:
-            raise InputError(f"--column {text!r} is not of the form wheel_1=NAME: give that of a column of the file")
+            raise InputError(
+                f"--column {text!r} does not have the form WHEEL=NAME: give, for example, wheel_1=force_right"
+            )
         columns[wheel.strip()] = name.strip()
     return Reading(options.unit, options.sign, offsets, columns)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...inputs import shipped
-from .parser import Parser, completed
+from .parser import Amount, Parser, completed
 
 
 def takes_bag(command: Parser, and_then: str = "") -> None:
@@ -14,16 +14,16 @@ def takes_bag(command: Parser, and_then: str = "") -> None:
     command.add_argument("bag", type=Path, metavar="BAG", help=f"an .mcap file or a bag folder{and_then}")
 
 
-def takes_changes(command: Parser, what: str = "change a key, such as 'speed=100 km/h'") -> None:
+def takes_changes(command: Parser, what: str = "change a key of the scenario, such as 'speed=100 km/h'") -> None:
     """Add ``--set``."""
-    keys = "docs/scenarios.md lists the keys; numbers are in SI or have a unit"
-    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what} ({keys})")
+    keys = "bare numbers are SI; docs/scenarios.md lists all keys; repeat the option for more"
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what}; {keys}")
 
 
-def takes_threshold(command: Parser, where: str = "") -> None:
+def takes_threshold(command: Parser, event: str = "an impact begins") -> None:
     """Add ``--threshold``."""
-    what = f"contact force that makes an impact{where} (default: 200e3)"
-    command.add_argument("--threshold", type=float, metavar="N", help=what)
+    what = f"contact force above which {event} (default: '200 kN')"
+    command.add_argument("--threshold", action=Amount, unit="N", metavar="FORCE", help=what)
 
 
 def takes_json(command: Parser, instead_of: str = "a table") -> None:
@@ -39,7 +39,7 @@ def may_overwrite(command: Parser) -> None:
 def takes_shipped(command: Parser, name: str, further: str = "") -> None:
     """Add a file or the name of a shipped one; shells complete both."""
     kind = shipped.kind_of(name)
-    what = f"a file, or the name of a shipped one (see list {kind}){further}"
+    what = f"a file, or a name that list {kind} prints{further}"
     named = command.add_argument(name, metavar=name.upper(), help=what)
     completed(named, lambda prefix, **_: [*shipped.names(kind), *map(str, Path().glob(f"{prefix}*"))])
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn, TypeAlias
 
 from ...errors import InputError
+from ...inputs.amounts import amount
 
 PROGRAM = "wheelset-track-sim"
 EXAMPLES = "examples:"
@@ -30,6 +31,20 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Raise InputError with the message, and with the help to read."""
         raise InputError(f"{message}: see {self.prog} --help")
+
+
+class Amount(argparse.Action):
+    """Takes a number of the SI unit ``unit``, or a text with another one; the value is in SI."""
+
+    def __init__(self, *, unit: str, **options: Any) -> None:
+        super().__init__(**options)
+        self._unit = unit
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option_string: Any = None
+    ) -> None:
+        """Store the value; raises InputError for what is not an amount."""
+        setattr(namespace, self.dest, amount(values, self._unit, option_string or self.dest))
 
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"

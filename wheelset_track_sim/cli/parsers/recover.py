@@ -14,11 +14,13 @@ def add(commands: Commands) -> None:
     recover = command(
         commands,
         "recover",
-        "make a whole bag of what can be read of a damaged one",
+        "save what can be read of a damaged bag to a new one",
         uses=["damaged.mcap", "damaged.mcap --out whole.mcap"],
     )
-    takes_bag(recover, "; it stays as it is")
-    recover.add_argument("--out", type=Path, metavar="NEW", help="the new bag (default: BAG_recovered beside it)")
+    takes_bag(recover, ", which is not changed")
+    recover.add_argument(
+        "--out", type=Path, metavar="NEW", help="where to write the new bag (default: BAG_recovered beside it)"
+    )
     recover.set_defaults(command=_recover)
 
 

@@ -15,16 +15,23 @@ def add(commands: Commands) -> None:
     report = command(
         commands,
         "report",
-        "a page and a table of a bag",
+        "write a page and a picture of a bag, and print a table",
         uses=["run.mcap", "run.mcap --measured wayside.csv --out page.html"],
     )
     takes_bag(report)
-    report.add_argument("--out", type=Path, metavar="FILE.html", help="the page (default: beside the bag)")
     report.add_argument(
-        "--picture", type=Path, metavar="FILE", help="the picture: .png, .svg or .pdf (default: .png beside the page)"
+        "--out", type=Path, metavar="FILE.html", help="where to write the page (default: beside the bag)"
+    )
+    report.add_argument(
+        "--picture",
+        type=Path,
+        metavar="FILE",
+        help="where to write the picture: .png, .svg or .pdf (default: .png beside the page)",
     )
     takes_threshold(report)
-    report.add_argument("--measured", type=Path, metavar="FILE", help="text file or bag to show beside the run")
+    report.add_argument(
+        "--measured", type=Path, metavar="FILE", help="measurement to show with the run: a text file or a bag"
+    )
     takes_place(report)
     takes_measured(report)
     may_overwrite(report)

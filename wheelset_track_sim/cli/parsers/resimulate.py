@@ -14,17 +14,20 @@ def add(commands: Commands) -> None:
     resimulate = command(
         commands,
         "resimulate",
-        "simulate the run of a bag again, with each change at its step, and compare it with the recording",
-        "Without --set, every force and stress is the same to the last bit on the software and processor that recorded "
-        "it. The exit status is 1 if numbers differ, and no setting, version, processor, model or unknown input is a "
-        "reason.",
+        "simulate the run of a bag again and compare it with the recording",
+        "Each change takes effect at its recorded step. Without --set, the same software on the same processor "
+        "reproduces every force and stress bit for bit. The exit status is 1 if numbers differ although settings, "
+        "versions, processor and models are the same and all inputs are known.",
         uses=["run.mcap", "run.mcap --set 'wheel_1.damage.h=1 mm'"],
     )
     takes_bag(resimulate)
-    takes_changes(resimulate, "set a key throughout the run, such as wheel_1.damage.h=0.001 or track.spacing=0.65")
+    takes_changes(resimulate, "set a key throughout the run, such as 'wheel_1.damage.h=1 mm'")
     resimulate.add_argument("--out", type=Path, metavar="BAG", help="record the new run: FILE.mcap, or a bag folder")
     resimulate.add_argument(
-        "--most-steps", type=int, metavar="N", help="steps without samples to simulate, as before the bag (1e8)"
+        "--most-steps",
+        type=int,
+        metavar="N",
+        help="most steps to simulate for which the bag has no samples, such as those before it (default: 1e8)",
     )
     takes_json(resimulate)
     resimulate.set_defaults(command=_resimulate)

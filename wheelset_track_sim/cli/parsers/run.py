@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...errors import InputError
 from .options import takes_changes, takes_json, takes_shipped, takes_threshold
-from .parser import Commands, command
+from .parser import Amount, Commands, command
 
 if TYPE_CHECKING:
     from ...bags.settings import RecordSettings
@@ -20,31 +20,51 @@ def add(commands: Commands) -> None:
     run = command(
         commands,
         "run",
-        "simulate without ROS, as fast as possible",
+        "simulate a scenario without ROS, as fast as possible",
         uses=[
             "damage_wheel_1",
             "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
-            "mine.yaml --duration 2 --out run.mcap",
+            "mine.yaml --duration '2 min' --out run.mcap --threshold '250 kN'",
             "mine.yaml --out run.csv",
         ],
     )
     takes_shipped(run, "scenario")
     takes_changes(run)
-    run.add_argument("--dynamics", help="causal (which streams) or paper (Green's functions as printed)")
-    run.add_argument("--duration", type=float, metavar="S", help="simulated time (default: one turn of the wheel)")
+    run.add_argument(
+        "--dynamics", metavar="NAME", help="causal: fast, the default of scenarios; paper: Green's functions as printed"
+    )
+    run.add_argument(
+        "--duration",
+        action=Amount,
+        unit="s",
+        metavar="TIME",
+        help="simulated time, such as 10 or '10 s' (default: one turn of the wheel)",
+    )
     run.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
-        help="keep the run: a bag (FILE.mcap, or a folder without suffix), or a table (.csv, .parquet, .xlsx, .nc)",
+        help="write the run to a bag (.mcap, or a folder without a suffix) or a table (.csv, .parquet, .xlsx, .nc)",
     )
-    run.add_argument("--split-size", type=int, metavar="BYTES", help="size at which the bag goes on in another file")
-    run.add_argument("--split-duration", type=float, metavar="S", help="time of the run after which it does")
-    run.add_argument("--max-total-size", type=int, metavar="BYTES", help="above it the oldest files are removed")
+    run.add_argument("--split-size", type=int, metavar="BYTES", help="start another file of the bag at this size")
     run.add_argument(
-        "--snapshots", type=float, metavar="S", help="record what is around impacts only, each from S before it"
+        "--split-duration",
+        action=Amount,
+        unit="s",
+        metavar="TIME",
+        help="start another file of the bag after this simulated time",
     )
-    takes_threshold(run, " in the bag")
+    run.add_argument(
+        "--max-total-size", type=int, metavar="BYTES", help="remove the oldest files of the bag above this size"
+    )
+    run.add_argument(
+        "--snapshots",
+        action=Amount,
+        unit="s",
+        metavar="TIME",
+        help="record only impacts, each from this time before it on",
+    )
+    takes_threshold(run, "the bag records an impact")
     takes_json(run)
     run.set_defaults(command=_run)
 
@@ -80,7 +100,7 @@ def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, Impac
     given = {name: value for name, option in named.items() if (value := getattr(options, option)) is not None}
     if options.out is None:
         for option in [*(named[name] for name in given), *(["threshold"] if options.threshold is not None else [])]:
-            raise InputError(f"--{option.replace('_', '-')} is of a bag: give --out, too")
+            raise InputError(f"--{option.replace('_', '-')} applies to a recording: give --out as well")
         return None, None
     try:
         settings = RecordSettings(CONTINUOUS if options.snapshots is None else SNAPSHOT, **given)

@@ -14,12 +14,14 @@ def add(commands: Commands) -> None:
     show = command(
         commands,
         "show",
-        "a picture of a scenario: treads, rails, profiles, supports, wheelset",
+        "draw a scenario: treads, rails, profiles, supports and wheelset",
         uses=["mixed", "mine.yaml --out mine.pdf --overwrite"],
     )
     takes_shipped(show, "scenario")
     takes_changes(show)
-    show.add_argument("--out", type=Path, metavar="FILE", help="the picture: .png, .svg or .pdf (default: NAME.png)")
+    show.add_argument(
+        "--out", type=Path, metavar="FILE", help="where to write the picture: .png, .svg or .pdf (default: NAME.png)"
+    )
     may_overwrite(show)
     show.set_defaults(command=_show)
 

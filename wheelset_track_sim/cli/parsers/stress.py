@@ -8,7 +8,7 @@ from pathlib import Path
 from ...inputs import shipped
 from .measured import reading_of, takes_measured
 from .options import takes_json
-from .parser import Commands, command
+from .parser import Amount, Commands, command
 
 
 def add(commands: Commands) -> None:
@@ -16,17 +16,30 @@ def add(commands: Commands) -> None:
     stress = command(
         commands,
         "stress",
-        "axle stresses from wheel forces alone",
-        uses=["wayside.csv --wheelset trailer", "wayside.csv --speed 25 --nodes A1,B1 --out stress.csv"],
+        "compute axle stresses from measured wheel forces",
+        uses=["wayside.csv --wheelset trailer", "wayside.csv --speed '90 km/h' --nodes A1,B1 --out stress.csv"],
     )
-    stress.add_argument("forces", type=Path, metavar="FORCES", help="text file: both forces over time or position")
+    stress.add_argument(
+        "forces",
+        type=Path,
+        metavar="FORCES",
+        help="a text file with the forces of both wheels over time or position, or a bag",
+    )
     takes_measured(stress)
     names = ", ".join(shipped.names("wheelsets"))
     stress.add_argument("--wheelset", default="x40", help=f"a file, or one of {names} (default: x40)")
-    stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes (default: all of the wheelset)")
-    stress.add_argument("--speed", type=float, metavar="V", help="m/s, for forces over the position and for bags")
-    stress.add_argument("--own-weight", action="store_true", help="add the stress of the wheelset's own weight")
-    stress.add_argument("--out", type=Path, metavar="FILE", help="write stresses as .csv, or all as .mcap")
+    stress.add_argument("--nodes", metavar="A1,B1", help="stress nodes, with commas (default: all of the wheelset)")
+    stress.add_argument(
+        "--speed",
+        action=Amount,
+        unit="m/s",
+        metavar="SPEED",
+        help="running speed, such as '90 km/h': needed for forces over position, and for --out FILE.mcap",
+    )
+    stress.add_argument("--own-weight", action="store_true", help="add the stress caused by the weight of the wheelset")
+    stress.add_argument(
+        "--out", type=Path, metavar="FILE", help="write the stresses to .csv, or forces and stresses to .mcap"
+    )
     takes_json(stress)
     stress.set_defaults(command=_stress)
 

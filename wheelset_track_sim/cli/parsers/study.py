@@ -14,20 +14,29 @@ def add(commands: Commands) -> None:
     study = command(
         commands,
         "study",
-        "a parameter study: runs, figures, tables, summary",
+        "run a parameter study and write its figures, tables and summary",
         uses=["load_cases", "depth --dynamics paper --workers 2", "mine.yaml --out results/mine"],
     )
-    takes_shipped(study, "study", ", or all of these")
+    takes_shipped(study, "study", ", or all")
     study.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: results/STUDY-DYNAMICS)"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the results (default: results/STUDY-DYNAMICS); finished runs there are not repeated",
     )
-    takes_changes(study, "change a key in all runs")
-    study.add_argument("--dynamics", help="causal or paper")
-    study.add_argument("--workers", type=int, metavar="N", help="processes on this machine (default: one a core)")
+    takes_changes(study, "change a key in all runs, such as 'speed=100 km/h'")
+    study.add_argument("--dynamics", metavar="NAME", help="causal or paper, in all runs")
     study.add_argument(
-        "--scheduler", metavar="ADDRESS", help="a Dask scheduler, such as tcp://host:8786, does the runs"
+        "--workers", type=int, metavar="N", help="number of processes on this machine (default: one per core)"
     )
-    study.add_argument("--parquet", action="store_true", help="write tables as Parquet, too (extra analysis)")
+    study.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on a Dask cluster; the address of its scheduler, such as tcp://host:8786",
+    )
+    study.add_argument(
+        "--parquet", action="store_true", help="also write the tables as Parquet (needs the extra analysis)"
+    )
     study.set_defaults(command=_study)
 
 
