@@ -108,5 +108,5 @@ def test_slab_track_has_no_ballast_to_vary() -> None:
             load_track({"base": "slab_60e1", "line": {"supports": [{"sleepers": 3, key: value}]}})
     assert isinstance(load_track({"base": "slab_60e1", "line": {"scatter": {"pad_damping": 0.2}}}), Track)
     for key in ("ballast_stiffness", "ballast_damping"):
-        with pytest.raises(InputError, match=r"line\.scatter is about ballast"):
+        with pytest.raises(InputError, match=r"line\.scatter changes the ballast"):
             load_track({"base": "slab_60e1", "line": {"scatter": {key: 0.2}}})

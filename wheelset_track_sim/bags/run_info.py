@@ -130,7 +130,7 @@ class RunInfo:
         try:
             return cls.from_metadata(record)
         except (LookupError, ValueError, OverflowError) as reason:
-            raise ValueError(f"what it says about its run is lost: {reason}") from reason
+            raise ValueError(f"the description of its run cannot be read: {reason}") from reason
 
     @classmethod
     def from_metadata(cls, record: Mapping[str, str]) -> RunInfo:

@@ -48,7 +48,7 @@ class RecordSettings:
             value, unit = getattr(self, name), quantity_of(RecordSettings, name).unit
             if 0 < value < least:
                 raise InputError(
-                    f"{name} = {value:g} {unit} is out of range: give {least:g} {unit} at least, or 0 for none"
+                    f"{name} = {value:g} {unit} is out of range: give at least {least:g} {unit}, or 0 for no limit"
                 )
 
     @property

@@ -81,7 +81,7 @@ def plot_run(run: Survey, path: Path) -> Path:
 def check_picture(path: Path) -> None:
     """Raise InputError unless a path names a picture by its suffix."""
     if path.suffix.lower() not in PICTURES:
-        raise InputError(f"{path} is no picture: give a name that ends in {', '.join(PICTURES)}")
+        raise InputError(f"{path} is not a picture: give a name that ends in {', '.join(PICTURES)}")
 
 
 def write_picture(figure: Figure, path: Path) -> Path:

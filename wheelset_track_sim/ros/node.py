@@ -156,7 +156,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             if result.successful:
                 result.reason = self._accepted
             else:
-                self.get_logger().warning(f"parameters are refused: {result.reason}")
+                self.get_logger().warning(f"parameters are rejected: {result.reason}")
             return result
 
     def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
@@ -396,4 +396,6 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         following = changes.get("use_sim_time", self._time.following)
         self.parameters.check_clock(following)
         if following != self._time.following and self.run is not None and self.run.next_step > 0:
-            raise InputError("use_sim_time cannot change while there is a run, whose stamps go on: clean up first")
+            raise InputError(
+                "use_sim_time cannot change during a run, whose time stamps must continue: clean up the node first"
+            )

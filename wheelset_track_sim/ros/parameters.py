@@ -118,7 +118,7 @@ class Parameters:
         """Raises InputError if the node cannot have its time on ``/clock``."""
         if use_sim_time and self["publish_clock"]:
             raise InputError(
-                "use_sim_time = true is refused while publish_clock is true: "
+                "use_sim_time and publish_clock cannot both be true: "
                 "a node cannot follow the clock that it publishes, set one of them to false"
             )
 

@@ -86,7 +86,7 @@ class ImpactDetector:
         a quiet block costs nothing. Raises ValueError for a decimated block.
         """
         if block.decimation != 1:
-            raise ValueError(f"impacts are found in every step, not in each {block.decimation}th")
+            raise ValueError(f"impacts can be found in all steps only, not in every {block.decimation}th")
         if len(block) == 0:
             return []
         over: list[_Open] = []

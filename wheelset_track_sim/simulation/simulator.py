@@ -249,8 +249,8 @@ class Simulator:
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
         if scenario.axle_load != current.axle_load and self._models.vehicle and self._models.vehicle.body_mass:
             raise InputError(
-                "axle_load cannot change during a run with vehicle.body_mass, which is what it loads: start a new run, "
-                "or leave body_mass out"
+                "axle_load cannot change during a run with vehicle.body_mass, because the car body is that load: "
+                "start a new run, or leave body_mass out"
             )
         current.loads.check_change(scenario.loads)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards

@@ -92,7 +92,7 @@ def evaluate(job: Job, made_for: str) -> Result:
     """
     if made_for != program():
         raise WheelsetTrackError(
-            f"this worker has another program ({__version__}): install the same version everywhere"
+            f"this worker runs another version of the program ({__version__}): install the same version everywhere"
         )
     simulator = Simulator(job.scenario, models=models(job.scenario))
     while simulator.next_step < job.first_step:

@@ -60,7 +60,8 @@ class Store:
             if temporary is not None:
                 temporary.unlink(missing_ok=True)
             raise WheelsetTrackError(
-                f"result {self._path(key)} cannot be written ({reason.strerror}): what is finished is kept, make room"
+                f"result {self._path(key)} cannot be written ({reason.strerror}): finished results are kept, free "
+                "some disk space"
             ) from None
 
     def tidy(self) -> None:

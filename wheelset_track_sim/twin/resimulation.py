@@ -152,9 +152,7 @@ def resimulate(
                     push(simulated, summary)
                 done += len(simulated)
     if comparison is None:
-        raise RecordingError(
-            f"{bag.path} does not say what its samples were simulated from: record it with its state topic"
-        )
+        raise RecordingError(f"{bag.path} does not describe the run of its samples: record it with its state topic")
     recorded_by = bag.info.versions.get("wheelset_track_sim", "")
     old = recorded_by if recorded_by.startswith(OTHER_DIGESTS) else ""
     return Resimulation(

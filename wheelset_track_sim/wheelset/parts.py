@@ -129,7 +129,7 @@ class Axle(Checked):
             if start <= low and high <= end:
                 return section
         raise InputError(
-            f"{what} from y = {low:g} to {high:g} m does not stand on the cylinder of one axle section: "
+            f"{what} from y = {low:g} to {high:g} m does not sit on the cylinder of one axle section: "
             "move it, or the sections or their fillets"
         )
 

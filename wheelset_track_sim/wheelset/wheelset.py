@@ -65,7 +65,7 @@ def clear_of_each_other(parts: list[tuple[str, float, float]]) -> None:
     for (before, _, end), (after, start, _) in pairwise(ordered):
         if start < end - 1e-9:
             raise InputError(
-                f"{after} begins at y = {start:g} m, where {before} stands, which ends at {end:g} m: move one of them"
+                f"{after} begins at y = {start:g} m, inside {before}, which ends at {end:g} m: move one of them"
             )
 
 

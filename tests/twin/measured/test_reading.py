@@ -87,7 +87,7 @@ def test_columns_and_units_are_given_where_headings_have_others(tmp_path: Path) 
         )
     with pytest.raises(InputError, match="--unit 'lb' is not known"):
         Reading(units=("lb",))
-    with pytest.raises(InputError, match="--offset is of wheel_1 or wheel_2, not of 'A1'"):
+    with pytest.raises(InputError, match="--offset applies to wheel_1 or wheel_2, not to 'A1'"):
         Reading(offsets={"A1": 1.0})
 
 

@@ -81,7 +81,7 @@ def test_rounded_stamps_of_even_samples_move_none(rate: float, digits: int, star
     [
         (STEPS, np.where(STEPS == 7, np.nan, 1.0), r"wheel_1 of sample 7 is nan: give finite numbers"),
         (np.where(STEPS == 9, np.inf, STEPS), STEPS, "time of sample 9 is inf"),
-        (np.where(STEPS == 5, 3.0, STEPS), STEPS, "time of sample 5 is not behind that before it"),
+        (np.where(STEPS == 5, 3.0, STEPS), STEPS, "time of sample 5 is not greater than the one before it"),
     ],
 )
 def test_records_of_other_programs_are_checked_too(at: np.ndarray, force: np.ndarray, reason: str) -> None:
