@@ -85,9 +85,9 @@ def test_what_is_not_there(bag):
         read_bag(bag, start=2, stop=1)
     with pytest.raises(InputError, match="give a start before stop"):
         read_bag(bag, start=float("nan"))
-    with pytest.raises(InputError, match="give two that rise"):
+    with pytest.raises(InputError, match="give a first_step from 0 on"):
         read_bag(bag, steps=(5, 5))
-    with pytest.raises(InputError, match="give two that rise"):
+    with pytest.raises(InputError, match="give a first_step from 0 on"):
         read_bag(bag, steps=(-1, None))
 
 

@@ -125,7 +125,7 @@ def test_a_directory_given_for_a_file(tmp_path, capsys, monkeypatch, arguments):
         (InputError("speed = 1: give 2"), 2, "p: speed = 1: give 2"),
         (WheelsetTrackError("failed"), 1, "p: failed"),
         (IsADirectoryError(21, "Is a directory", "x"), 2, "p: x cannot be used (Is a directory): give another path"),
-        (OSError(28, "No space left on device", "x.png"), 1, "p: x.png: No space left on device: see to it"),
+        (OSError(28, "No space left on device", "x.png"), 1, "p: x.png: No space left on device: remove the cause"),
         (OSError(5, "Input/output error"), 1, "p: Input/output error: remove the cause, and try again"),
         (PermissionError(13, "Permission denied", b"\xff"), 2, r"p: \udcff cannot be used (Permission denied)"),
         (UnicodeEncodeError("utf-8", "x\udcff", 1, 2, "surrogates"), 2, r"p: 'x\udcff' is not UTF-8: rename"),

@@ -234,7 +234,7 @@ def test_corrugation_stands_on_its_stretch_or_all_along():
     assert np.sort(waves)[-2] < 1e-6 * waves.max()
     with pytest.raises(InputError, match=r"ramp = 3 m at both ends is more than length = 4 m"):
         dataclasses.replace(part, ramp=3.0)
-    with pytest.raises(InputError, match=r"start = 2 m needs a length: give the length of the stretch, or no"):
+    with pytest.raises(InputError, match=r"start = 2 m needs a length: give the length of the stretch, or leave start"):
         dataclasses.replace(part, length=None)
 
 

@@ -109,9 +109,9 @@ def test_every_form_of_table_is_the_same_tread(tmp_path_factory, form):
         ("angle_deg,links_um,rechts_um", {}, r"has angle \[deg\], links \[um\], rechts \[um\]: give column"),
         ("angle,wheel_1,wheel_2", {}, "'angle' has no unit: give along: rad, deg, m or mm, or write it"),
         ("angle_deg,wheel_1,wheel_2", {}, "'wheel_1' has no unit: give height: m, mm or um"),
-        ("angle_deg,wheel_1_um,wheel_2_um", {"height": "mm"}, r"'wheel_1 \[um\]' is in um, and mm is given"),
-        ("angle_deg,wheel_1_um,wheel_2_um", {"along": "m"}, r"unit of 'angle \[deg\]' is no length"),
-        ("angle_deg,wheel_1_kN,wheel_2_um", {}, r"unit of 'wheel_1 \[kN\]' is no length"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"height": "mm"}, r"'wheel_1 \[um\]' in um, but you gave mm"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"along": "m"}, r"unit of 'angle \[deg\]' is not a unit of length"),
+        ("angle_deg,wheel_1_kN,wheel_2_um", {}, r"unit of 'wheel_1 \[kN\]' is not a unit of length"),
         ("angle_deg,wheel_1_um,wheel_2_um", {"column": "wheel_3"}, "has no column 'wheel_3' for the heights"),
         (
             "angle_deg,wheel_1_um,wheel_2_um",
@@ -240,7 +240,7 @@ def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):
         ({"file": str(tmp_path / "large.npy")}, "holds 200002 numbers: give 200000 at most"),
         ({"file": twice}, "two samples at"),
         ({"along": "inch"}, "along = 'inch' is not a known unit"),
-        ({"on": "rail_1"}, "along = rad is not of rails"),
+        ({"on": "rail_1"}, "along = rad applies to wheels only"),
         (
             {"on": "rail_1", "along": "m", "angle": 1.0},
             "angle applies to wheels only: leave it out for rail_1, and give start",

@@ -102,9 +102,9 @@ def test_a_file_of_any_form_and_unit_is_the_spectrum(tmp_path_factory, form, uni
     ("text", "words"),
     [
         ("wavelength,level\n0.1,3\n0.01,4\n", "'wavelength' has no unit"),
-        ("wavelength [m],level [um]\n0.1,3\n0.01,4\n", r"unit of 'level \[um\]' is no level: give dB"),
+        ("wavelength [m],level [um]\n0.1,3\n0.01,4\n", r"unit of 'level \[um\]' is not a unit of level: give dB"),
         ("wavelength [m],a,b\n0.1,3,1\n0.01,4,1\n", r"has wavelength \[m\], a, b: name the columns wavelength"),
-        ("wavelength [deg],level\n0.1,3\n0.01,4\n", "is no length"),
+        ("wavelength [deg],level\n0.1,3\n0.01,4\n", "is not a unit of length"),
         ("wavelength [km],level\n0.1,3\n0.01,4\n", r"spectrum\.0\.0 = 100 m is out of range"),
     ],
 )

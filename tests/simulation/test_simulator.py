@@ -86,7 +86,7 @@ def test_the_mean_force_is_the_static_load(damaged: Simulator) -> None:
 
 
 def test_a_stress_node_that_is_named_twice_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^output\.stress_nodes names A1 twice: give each once"):
+    with pytest.raises(InputError, match=r"^output\.stress_nodes names A1 twice: give each stress node once"):
         load_scenario("undamaged", ["output.stress_nodes=[A1, B1, A1]"])
 
 

@@ -85,6 +85,14 @@ def description(run: Survey) -> str:
     return f"{speed}{load}{dynamics}, {run.duration:.4g} s, {run.distance:.4g} m, {run.steps} steps"
 
 
+def made_by(run: Survey) -> str:
+    """Scenario, wheelset, track and the version that recorded them: the small print of every figure."""
+    facts = [f"Scenario {run.info.scenario_name}"]
+    facts += [f"{run.scenario.wheelset.name} on {run.scenario.track.name}"] if run.scenario else []
+    version = run.info.versions.get("wheelset_track_sim", "of an unknown version")
+    return printable(f"{', '.join(facts)}. Recorded by wheelset_track_sim {version}")
+
+
 def between(values: Iterable[float], size: float, unit: str) -> str:
     """The range of values in SI in four digits of a ``unit`` of a ``size``, or the one value."""
     found = [value / size for value in values]

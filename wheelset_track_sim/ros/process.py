@@ -95,7 +95,7 @@ def _names(arguments: Sequence[str]) -> list[str]:
     parser = argparse.ArgumentParser(
         prog="wheelset-track-sim node",
         usage="%(prog)s [--fleet N | NAME,NAME,...] [--ros-args -p NAME:=VALUE ... --params-file FILE ...]",
-        description="The ROS 2 node. Its parameters describe themselves: ros2 param describe /wheelset_track_sim NAME",
+        description="Run the ROS 2 node. To describe a parameter: ros2 param describe /wheelset_track_sim NAME",
         exit_on_error=False,
     )
     parser.add_argument(

@@ -175,7 +175,7 @@ def test_what_cannot_be_compared_is_refused(blocks: list[SampleBlock]) -> None:
         Matching(reach=-1)
     with pytest.raises(InputError, match="lag = nan is not finite"):
         Matching(lag=float("nan"))
-    with pytest.raises(InputError, match="lag = 1 and origin = 2 say the same"):
+    with pytest.raises(InputError, match="lag = 1 and origin = 2 exclude each other"):
         Matching(lag=1.0, origin=2.0)
 
 

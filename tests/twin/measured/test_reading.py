@@ -52,7 +52,7 @@ def test_every_form_of_table_is_the_same_measurement(
         (["time [m],wheel_1 [kN]", "0,1"], r"the first column is 'time \[m\]'"),
         (["position [s],wheel_1 [kN]", "0,1"], r"the first column is 'position \[s\]'"),
         (["time [s],wheel_1", "0,1"], r"'wheel_1' has no unit: write wheel_1 \[N\] above it"),
-        (["time [s],wheel_1 [MPa]", "0,1"], r"unit of 'wheel_1 \[MPa\]' is no force: give N, kN"),
+        (["time [s],wheel_1 [MPa]", "0,1"], r"unit of 'wheel_1 \[MPa\]' is not a unit of force: give N, kN"),
         (["time [s],A1 [kN]", "0,1"], r"no signal that can be used in time \[s\], A1 \[kN\]: .*give Pa, kPa, MPa"),
         (["time [s],A1 [Pa],A1 [MPa]", "0,1,1"], "A1 comes twice"),
         ([HEAD, *ROWS[:3], "0.003,1"], "line 5 has 2 cells: give 3"),

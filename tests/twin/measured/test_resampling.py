@@ -91,5 +91,5 @@ def test_records_of_other_programs_are_checked_too(at: np.ndarray, force: np.nda
 
 def test_gaps_are_refused() -> None:
     at = np.delete(np.arange(400) * 1e-3, slice(100, 110))
-    with pytest.raises(InputError, match=r"gap of 0.011 behind 0.099, 11.0 steps wide"):
+    with pytest.raises(InputError, match=r"gap of 0.011 after 0.099, 11.0 steps wide"):
         evenly(Measurement(Path("a"), "time", at, {"wheel_1": at}))
