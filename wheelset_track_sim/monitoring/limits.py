@@ -29,7 +29,9 @@ class Limits:
     pace_error: float = quantity(
         "", 0.0, 1.0, "the share of the wanted real time factor, below which is an alarm,", default=0.5
     )
-    stale_after: float = quantity("s", 0.1, 3600.0, "the time without a sample after which all is stale", default=10.0)
+    stale_after: float = quantity(
+        "s", 0.1, 3600.0, "the time without a sample after which everything is stale", default=10.0
+    )
 
     def __post_init__(self) -> None:
         check(self)

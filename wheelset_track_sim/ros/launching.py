@@ -31,7 +31,7 @@ class Program(NamedTuple):
 
 PARAMETERS: Shown = {
     "scenario": ("scenario", str, "name of a shipped scenario, or path of a scenario file"),
-    "autostart": ("autostart", bool, "configure and activate without being told: true or false"),
+    "autostart": ("autostart", bool, "configure and activate at the start: true or false"),
     "real_time_factor": ("real_time_factor", float, "simulated time over elapsed time; 0 is as fast as possible"),
     "use_sim_time": ("use_sim_time", bool, "follow the time on /clock: true or false"),
     "record": ("record.on_start", bool, "record from the start of the run on: true or false"),
@@ -43,9 +43,9 @@ OF_REPLAY: Shown = {
     "loop": ("loop", bool, "begin again at the end: true or false"),
     "start_offset": ("start_offset", float, "time behind the first message at which the replay begins, s"),
     "duration": ("duration", float, "time of the bag after which the replay ends, s; 0 is all of it"),
-    "start_paused": ("start_paused", bool, "wait to be told to go on: true or false"),
+    "start_paused": ("start_paused", bool, "wait until the service resume is called: true or false"),
     "stamps": ("stamps", str, "original, or now: those of a run that begins now"),
-    "publish_clock": ("publish_clock", bool, "tell the time of the replay on /clock: true or false"),
+    "publish_clock": ("publish_clock", bool, "publish the time of the replay on /clock: true or false"),
     "prefix": ("prefix", str, "name of the node that topics get; ~ is this node's"),
     "use_sim_time": ("use_sim_time", bool, "follow the time on /clock: true or false"),
 }

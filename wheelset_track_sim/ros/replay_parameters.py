@@ -24,8 +24,8 @@ START_UP = {
         "",
         "Name of the node that topics get instead of the recorded one; ~ is this node's, empty: as recorded",
     ),
-    "publish_clock": (False, "Tell the time of the replay on /clock, for nodes with use_sim_time"),
-    "start_paused": (False, "Wait to be told to go on"),
+    "publish_clock": (False, "Publish the time of the replay on /clock, for nodes with use_sim_time"),
+    "start_paused": (False, "Wait until the service resume is called"),
 }
 STAMPS = ("original", "now")
 POSITION = dataclasses.replace(quantity_of(Playback, "start_offset"), meaning="the time in the bag, set to seek there")

@@ -37,7 +37,7 @@ class Matching:
     origin: float | None = None
     """Where the simulation's zero lies on the measurement's axis, s or m, about: the same with the other sign."""
     reach: float = quantity("", 0.0, 1e6, "how far from the given lag the best one may lie, in s or m,", default=0.02)
-    threshold: float = quantity("N", 1e3, 5e6, "the contact force that makes an impact", default=200e3)
+    threshold: float = quantity("N", 1e3, 5e6, "the contact force above which an impact begins", default=200e3)
 
     def __post_init__(self) -> None:
         check(self)
