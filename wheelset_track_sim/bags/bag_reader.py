@@ -34,7 +34,7 @@ DAMAGE = (*UNREADABLE, SerdeError, TypesysError, ArithmeticError, TypeError, Att
 FORCES, STRESS = "ContactForces", "AxleStress"
 SAMPLES = (FORCES, STRESS)
 LONGEST_REASON = 300
-"""Characters of a library's message that are told."""
+"""Characters of a library's message that are shown."""
 SAME_START = 1000
 """Difference in the time of step 0, ns, within one run: rounding."""
 Lost = Callable[[Loss], object]

@@ -49,7 +49,7 @@ class ChangedKey(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordedRevision:
-    """A change that has come into force."""
+    """A change that has taken effect."""
 
     number: int
     step: int

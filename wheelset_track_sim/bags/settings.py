@@ -53,7 +53,7 @@ class RecordSettings:
 
     @property
     def splits(self) -> bool:
-        """Whether a bag goes on in further files by itself."""
+        """Whether a bag is split into files automatically."""
         return max(self.max_size, self.max_duration, self.max_total_size) > 0
 
     @property

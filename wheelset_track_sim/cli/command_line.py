@@ -76,7 +76,7 @@ def _renamed(given: list[str]) -> list[str]:
 
 
 def _split(given: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Our arguments, and those of ROS, which stand between ``--ros-args`` and ``--`` or the end."""
+    """Our arguments, and the arguments of ROS, which are between ``--ros-args`` and ``--`` or the end."""
     ours: list[str] = []
     of_ros: list[str] = []
     inside = False

@@ -32,7 +32,7 @@ class _OutputError(Exception):
 
 
 class _Output:
-    """A stream that tells its own errors from all others."""
+    """A stream that marks its own errors."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
@@ -55,7 +55,7 @@ class _Output:
 
 
 def status_of(command: Callable[[], int], program: str, interrupted: int = FAILED) -> int:
-    """Run a command; returns its exit status, and ``interrupted`` if it was told to end before it could."""
+    """Run a command; returns its exit status, and ``interrupted`` if it was interrupted before it ended."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError):  # of a test, or closed
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]

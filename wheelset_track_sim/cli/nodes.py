@@ -89,7 +89,7 @@ def _remote(command: str, name: str, patience: float) -> Iterator[Any]:
 
 
 def _short(value: Any) -> Any:
-    """Plain values in which long lists of numbers are told by their count and range."""
+    """Plain values in which long lists of numbers are replaced by their count and range."""
     if isinstance(value, dict):
         return {key: _short(item) for key, item in value.items()}
     if isinstance(value, list) and len(value) > SHORT and all(isinstance(item, (int, float)) for item in value):

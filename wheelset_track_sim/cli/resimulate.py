@@ -139,7 +139,7 @@ def verdict(found: Resimulation) -> list[str]:
                 lines.append(f"Within 0.1 % of the static value {since}.")
     for revision, recorded, step in found.moved[:5]:
         lines.append(
-            f"Revision {revision} comes into force at step {step}, not {recorded}: a defect that changes is in the "
+            f"Revision {revision} takes effect at step {step}, not {recorded}: a defect that changes is in the "
             "contact patch there."
         )
     for name, (bag, here) in found.origin.items():

@@ -32,7 +32,7 @@ from .progress import shown
 CHUNK = 1000
 """Samples of a message in a bag."""
 LATEST = 2.0**31
-"""Time behind the last that a time stamp of ROS can tell, s."""
+"""Times from here on do not fit into a time stamp of ROS, s."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from .console import terminal
 from .progress import shown
 
 ALL = "all"
-"""The name that stands for every shipped study."""
+"""The name that means every shipped study."""
 RESULTS = Path("results")
 
 

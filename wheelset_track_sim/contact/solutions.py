@@ -1,4 +1,4 @@
-"""Single solutions of a contact law: a patch, a force, the approach that bears a force."""
+"""Single solutions of a contact law: a patch, a force, the approach that gives a force."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REASONS = {
 }
 
 MOST_STEPS = 200
-"""Of the search for the approach that bears a force, which takes about ten."""
+"""Of the search for the approach that gives a force, which takes about ten."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""What is told of a run while it streams: the worst since the last report, at least of a whole turn of the wheels."""
+"""Reports of a run while it streams: the worst since the last report, at least of a whole turn of the wheels."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from .survey import Survey
 from .table import description, title
 
 SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'; img-src data:"
-"""The browser itself sees to it that the page asks no one for anything."""
+"""The browser itself prevents all requests of the page."""
 
 
 def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -> Path:

@@ -51,7 +51,7 @@ class Peak:
 
 @dataclass(frozen=True)
 class InForce:
-    """What held from a step of the run on; NaN and None stand for what the bag does not say."""
+    """Conditions from a step of the run on; NaN and None are what the bag does not contain."""
 
     revision: int
     step: int
@@ -95,7 +95,7 @@ class Survey:
     start: float
     """Simulated time of the first sample, s."""
     end: float
-    """Simulated time behind the last sample, s."""
+    """Simulated time after the last sample, s."""
     duration: float
     """Of all samples, s."""
     distance: float
@@ -155,7 +155,7 @@ def survey_of(
     path: Path,
     settings: ImpactSettings | None = None,
 ) -> Survey:
-    """Survey of blocks in their order, and states where they stand among them."""
+    """Survey of blocks and states in their order."""
     collected: _Collected | None = None
     states: list[State] = []
     for event in events:
@@ -234,7 +234,7 @@ class _Collected:
         self._last = block
 
     def _pass_gap(self, block: SampleBlock) -> None:
-        """Steps that are missing before a block are drawn as nothing, and nothing is told of them."""
+        """Leave steps blank that are missing before a block."""
         last = self._last
         step, time = last.first_step + len(last), last.time + len(last) * last.step_period
         missing = block.first_step - step

@@ -107,7 +107,7 @@ def headings(run: Survey) -> tuple[str, ...]:
 
 
 def source(passage: LoadCasePassage) -> str:
-    """What the figures of the paper are, and what of the run stands beside them."""
+    """Source of the paper's figures, and the part of the run that is compared with them."""
     return (
         f"Passage: {passage.start:.4g} to {passage.end:.4g} m, where angle 0 of the treads first meets the rail, "
         f"above a sleeper. Paper: {passage.case.source}."
@@ -115,7 +115,7 @@ def source(passage: LoadCasePassage) -> str:
 
 
 def summary_table(run: Survey) -> Table:
-    """Table of a run for the terminal; the paper's figures stand beside it where the paper prints them."""
+    """Table of a run for the terminal, with the paper's figures where the paper prints them."""
     table = Table(title=f"{title(run)}\n{description(run)}", title_justify="left", min_width=72)
     table.add_column("")
     for heading in headings(run):

@@ -19,7 +19,7 @@ from ..inputs.schema import unknown
 
 PACKAGE = "wheelset_track_sim"
 Shown = Mapping[str, tuple[str, type, str]]
-"""Launch arguments that stand for a parameter: its name, its type, what it does."""
+"""Launch arguments that set a parameter: its name, its type, what it does."""
 
 
 class Program(NamedTuple):
@@ -115,7 +115,7 @@ def _check(program: Program, value: Value) -> None:
 
 
 def _ended(alone: bool, event: Any, context: LaunchContext) -> None:
-    """End the launch with an error if a process rejected its input, or failed while no other one goes on.
+    """End the launch with an error if a process rejected its input, or failed while no other one continues.
 
     ``launch`` would end with status 0. A process that ends by a signal, such as Ctrl-C, has a negative status.
     """

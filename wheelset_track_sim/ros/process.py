@@ -17,7 +17,7 @@ from .node import NAME, SimulationNode
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the node, or a fleet, until all end by themselves or are told to by a signal; returns 0.
+    """Run the node, or a fleet, until all have ended, or a signal ends them; returns 0.
 
     Raises InputError for arguments or parameters that cannot be used, WheelsetTrackError if a run failed.
     """

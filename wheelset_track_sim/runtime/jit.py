@@ -147,7 +147,7 @@ class Address:
         self._numba_type_ = numba.types.FunctionType(self._signature)
 
     def __wrapper_address__(self) -> int:
-        """Where the compiled kernel stands."""
+        """Path of the compiled kernel."""
         if self._address is None:
             self._function.compile(self._signature.args)
             compiled = self._function.overloads[self._signature.args]

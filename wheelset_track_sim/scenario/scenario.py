@@ -97,7 +97,7 @@ class Scenario:
     track: Track = parsed(read_track, plain_track, default_factory=partial(load_track, TRACK))
     """In files: the name of a shipped track, the path of a file, or a mapping."""
     vehicle: Vehicle | None = parsed(read_vehicle, plain_vehicle, default=None)
-    """What stands on the primary suspension; None holds its upper ends. In files like ``track``."""
+    """Bogie frame and car body above the primary suspension; None holds its upper ends. In files like ``track``."""
     irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
     line_length: float | None = quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat", default=None)

@@ -37,7 +37,7 @@ class Job:
     before: float
     """Track from which results are kept, before the place where angle 0 of the treads meets the rail, m."""
     after: float
-    """The same behind that place, m."""
+    """The same after that place, m."""
     outputs: tuple[str, ...]
     histories: tuple[str, ...] = ()
     pressures: tuple[str, ...] = ()

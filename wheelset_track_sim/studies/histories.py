@@ -73,7 +73,7 @@ class Histories:
     before: float | None = None
     """Track that is shown before the reference position, m; all that is kept if None."""
     after: float | None = None
-    """The same behind it, m."""
+    """The same after it, m."""
 
     def check(self, study: Study, where: str) -> None:
         """Raise InputError for a history or a column that the study does not keep."""

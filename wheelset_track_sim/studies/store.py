@@ -1,4 +1,4 @@
-"""Results on disk, one file a finished run: a study that was stopped goes on where it was."""
+"""Results on disk, one file a finished run: a study that was stopped continues where it was."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """A study: a base scenario, what is varied, what is kept of each run, and what is drawn.
+    """A study: a base scenario, axes to vary, results to keep of each run, and figures to draw.
 
     ``docs/studies.md`` describes the keys. ``run_study`` runs it.
 

@@ -179,7 +179,7 @@ def resimulate(
 class _Rerun:
     """A simulator to which each recorded change is applied in time.
 
-    A change comes into force at its recorded step. If the surfaces before or after it are not those of the recording,
+    A change takes effect at its recorded step. If the surfaces before or after it are not those of the recording,
     it waits from there on until it is out of the contact patch.
     """
 

@@ -22,7 +22,7 @@ FIXED = ("name", "step_length")
 
 
 class RecordedChange(NamedTuple):
-    """A change that had come into force; the first of a run is its start."""
+    """A change that had taken effect; the first of a run is its start."""
 
     revision: int
     step: int

@@ -209,7 +209,7 @@ class BrakeDiscs(Checked):
 
 @dataclass(frozen=True)
 class Gearbox(Checked):
-    """Hollow cylinder on the axle that stands for the part of the gearbox borne by the axle."""
+    """Hollow cylinder on the axle that represents the part of the gearbox carried by the axle."""
 
     y: float = quantity("m", -1.0, 1.0, "the y of the gearbox's middle")
     length: float = quantity("m", 0.02, 1.0, "the length of the gearbox")

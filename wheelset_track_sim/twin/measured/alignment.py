@@ -21,7 +21,7 @@ from ...samples.resampling import band_limited, shifted
 OVERLAP = 0.5
 """Share of the shorter record that both must have."""
 ALIKE = 0.5
-"""Coefficient below which two records have nothing in common that tells their lag."""
+"""Coefficient below which the lag of two records is unknown."""
 FINER = 4
 """Lags a step that are tried first: at whole ones a wave near the end of the band may be missed by half its length."""
 DISTINCT = 0.95

@@ -11,7 +11,7 @@ from .measurement import WHEELS, Measurement
 LOADS = (5e3, 300e3)
 """Mean loads of wheels, N: from a light trailer to twice an axle of 30 t."""
 STRESSES = (1e4, 3e9)
-"""Largest stresses of an axle, Pa: with less it is not loaded, with more no steel bears it."""
+"""Largest stresses of an axle, Pa: with less it is not loaded, and no steel withstands more."""
 AC = 0.1
 """Mean over the range of a force, from smallest to largest, below which its static part is missing."""
 PULL = 0.05
