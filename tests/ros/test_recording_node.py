@@ -161,7 +161,7 @@ def test_a_bag_that_is_taken_away_is_told(start, recordings, tmp_path):
     recordings.run_on(0.2)
     assert recordings.trigger("stop_recording").success
     assert "exists already" in recordings.start("run").message
-    recordings.until_failed("not begun: ")
+    recordings.until_failed("not started: ")
     assert len(read_bag(tmp_path / "run")) > 5000
 
 
