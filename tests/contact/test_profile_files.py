@@ -237,7 +237,7 @@ def test_several_wheels_of_a_file_are_chosen_by_name(tmp_path: Path) -> None:
         ("wheel", "a.csv", "y_mm,z_inch\n1,2\n", "'z_inch' has no unit|has no column z"),
         ("wheel", "a.csv", "y_mm,z [inch]\n1,2\n", r"unit of 'z \[inch\]' is not a unit of length"),
         ("wheel", "a.csv", "y_mm,z_mm\n1,2\n3,\n", r"line 3 has no z \[mm\]: give one"),
-        ("wheel", "a.prr", simpack("rail", points("rail")), "is the Simpack file of a rail: give that of a wheel"),
+        ("wheel", "a.prr", simpack("rail", points("rail")), "is the Simpack file of a rail: give the file of a wheel"),
         ("rail", "a.prr", "header.begin", "has no points between point.begin and point.end"),
         ("rail", "a.prr", "point.begin\n1 two\npoint.end", "is not a Simpack profile"),
         ("wheel", "a.csv", "y_mm,z_m\n-30,28\n" + "".join(f"{k},0\n" for k in range(-28, 60)), "give the unit"),

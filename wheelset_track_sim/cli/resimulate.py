@@ -149,7 +149,7 @@ def verdict(found: Resimulation) -> list[str]:
     if found.digests_differ:
         equal = ", which the equal numbers show to be the same" if found.identical and not found.settings else ""
         lines.append(
-            f"Recorded by version {found.digests_differ}, whose digests have another form: they do not tell whether "
-            f"wheelset and track are those of the bag{equal}."
+            f"Recorded by version {found.digests_differ}, whose digests have another form: they do not show whether "
+            f"wheelset and track are the same as in the bag{equal}."
         )
     return lines

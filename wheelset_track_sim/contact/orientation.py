@@ -135,8 +135,8 @@ def _of_rail(y: Real, z: Real, name: str) -> dict[str, str]:
     gauge, field = np.interp([-CORNER, CORNER], y, z, left=np.nan, right=np.nan)
     if gauge - field > MIRRORED:
         warn(
-            f"{name}: the corner at y = {1e3 * CORNER:+g} mm is {1e3 * (gauge - field):.3g} mm lower than that of the "
-            "gauge face, as if worn more: give turn: y if y counts to the gauge side, or turn: none"
+            f"{name}: the corner at y = {1e3 * CORNER:+g} mm is {1e3 * (gauge - field):.3g} mm lower than at "
+            "the gauge face, as if worn more: give turn: y if y counts to the gauge side, or turn: none"
         )
     return turned
 

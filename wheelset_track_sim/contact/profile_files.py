@@ -68,7 +68,7 @@ def read_points(side: str, given: ProfileFile) -> ProfileColumns:
         y, z = np.array(points.y), np.array(points.z)
     elif suffix in SIMPACK:
         if SIMPACK[suffix] != side:
-            raise InputError(f"{path} is the Simpack file of a {SIMPACK[suffix]}: give that of a {side}")
+            raise InputError(f"{path} is the Simpack file of a {SIMPACK[suffix]}: give the file of a {side}")
         y, z = _simpack(read_text(path), given.file)
     elif suffix in MINIPROF:
         y, z = columns_of(read_table(path), given.column or "2", "mm")

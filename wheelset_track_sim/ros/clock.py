@@ -95,5 +95,5 @@ class NodeClock:
         if jump.clock_change != ClockChange.ROS_TIME_NO_CHANGE or forward < 0 or forward == self.now_ns():
             self.epoch += 1  # another clock, one that was set back, or the first message
         if forward < 0:
-            self._log.warning(f"{TOPIC} was set back by {-forward * 1e-9:g} s: the run goes on from where it is")
+            self._log.warning(f"{TOPIC} was set back by {-forward * 1e-9:g} s: the run continues from where it is")
         self.wake()

@@ -41,10 +41,10 @@ OF_REPLAY: Shown = {
     "bag": ("bag", str, "bag folder or .mcap file"),
     "rate": ("rate", float, "times as fast as recorded; 0 is as fast as possible"),
     "loop": ("loop", bool, "begin again at the end: true or false"),
-    "start_offset": ("start_offset", float, "time behind the first message at which the replay begins, s"),
+    "start_offset": ("start_offset", float, "time after the first message at which the replay begins, s"),
     "duration": ("duration", float, "time of the bag after which the replay ends, s; 0 is all of it"),
     "start_paused": ("start_paused", bool, "wait until the service resume is called: true or false"),
-    "stamps": ("stamps", str, "original, or now: those of a run that begins now"),
+    "stamps": ("stamps", str, "original, or now: current time stamps"),
     "publish_clock": ("publish_clock", bool, "publish the time of the replay on /clock: true or false"),
     "prefix": ("prefix", str, "name of the node that topics get; ~ is this node's"),
     "use_sim_time": ("use_sim_time", bool, "follow the time on /clock: true or false"),
@@ -77,7 +77,7 @@ def description(
     shipped = files(PACKAGE) / "data" / "config" / parameters
     arguments = {
         **own,
-        "params_file": (str(shipped), "parameter file; what the other arguments give stands above it"),
+        "params_file": (str(shipped), "parameter file; other arguments override it"),
         **{name: ("", f"{told}; empty: as in the parameter file") for name, (_, _, told) in program.arguments.items()},
         "log_level": ("info", f"least level of what is logged: {', '.join(LEVELS)}"),
     }

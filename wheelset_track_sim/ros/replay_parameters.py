@@ -18,7 +18,7 @@ START_UP = {
     "bag": ("", "Bag folder or .mcap file"),
     "stamps": (
         "original",
-        "Stamps of the messages: original, or now, which begin at the clock and go on with the replay",
+        "Stamps of the messages: original, or now, which start at the current time",
     ),
     "prefix": (
         "",

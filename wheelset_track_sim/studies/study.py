@@ -40,7 +40,7 @@ class EvaluationWindow:
     """
 
     before: float = quantity("m", 0.0, 100.0, "the evaluated track before the reference position", default=0.9)
-    after: float = quantity("m", 0.0, 10000.0, "the evaluated track behind the reference position", default=0.9)
+    after: float = quantity("m", 0.0, 10000.0, "the evaluated track after the reference position", default=0.9)
 
     def __post_init__(self) -> None:
         check(self)

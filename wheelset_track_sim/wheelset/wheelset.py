@@ -26,7 +26,7 @@ class OnAxle(Checked):
 
     name: str
     y: float = quantity("m", -2.0, 2.0, "the y of its middle")
-    length: float = quantity("m", 0.01, 1.0, "the length of axle on which it stands")
+    length: float = quantity("m", 0.01, 1.0, "the length of axle that it occupies")
 
     def __post_init__(self) -> None:
         super().__post_init__()
