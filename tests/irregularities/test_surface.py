@@ -108,8 +108,8 @@ def test_the_line_is_as_long_as_is_told_or_needed():
     assert line_steps([dataclasses.replace(HOLLOW, position=61.0)], None, DX) == 120_000
     assert line_steps([HOLLOW], 30.0, DX) == 30_000
     with pytest.raises(
-        InputError, match=r"rails reach to 99000 m, and rails repeat after 5000 m at most: give positions"
+        InputError, match=r"rails reach to 99000 m, and rails repeat after at most 5000 m: give positions"
     ):
         line_steps([dataclasses.replace(HOLLOW, position=99_000.0)], None, DX)
-    with pytest.raises(InputError, match=r"line_length = 30\.0005 m is no whole number of steps .* give 30"):
+    with pytest.raises(InputError, match=r"line_length = 30\.0005 m is not a whole number of steps .* give 30"):
         line_steps([HOLLOW], 30.0005, DX)

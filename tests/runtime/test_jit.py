@@ -107,7 +107,7 @@ def test_kernels_that_others_can_write_are_not_used(tmp_path: Path) -> None:
     folder.chmod(0o777)
     before = sorted(folder.rglob("*"))
     refused = kernel_in_a_process(tmp_path)
-    assert f"{folder} are not used, since others can write there: remove it" in refused.stderr
+    assert f"{folder} are not used, because other users can write there: remove" in refused.stderr
     assert sorted(folder.rglob("*")) == before
 
 

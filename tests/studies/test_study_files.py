@@ -1,4 +1,5 @@
 import dataclasses
+from pathlib import Path
 
 import pytest
 
@@ -176,3 +177,20 @@ def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
     runs = load_study(tmp_path / "mine.yaml").runs()
     assert len(runs) == 2 * 5 * 2
     assert {run.scenario.track.pad.stiffness for run in runs} == {300e6}
+
+
+def test_the_scenario_of_a_study_is_a_file_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "here").mkdir()
+    for folder, speed in ((tmp_path / "here", 31), (tmp_path, 32)):
+        text = shipped.text("scenarios", "undamaged").replace("speed: 27.7777778", f"speed: {speed}")
+        (folder / "mine.yaml").write_text(text, encoding="utf-8")
+    study = tmp_path / "study.yaml"
+    text = "title: Mine\nscenario: mine.yaml\noutputs: [wheels.wheel_1.max_force]\n"
+    study.write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "here")
+    for path in (study, "../study.yaml"):
+        assert [run.scenario.speed for run in load_study(path).runs()] == [32]
+    study.rename("study.yaml")
+    (tmp_path / "here" / "mine.yaml").rename("other.yaml")
+    with pytest.raises(InputError, match=r"mine\.yaml cannot be read"):
+        load_study("study.yaml").runs()

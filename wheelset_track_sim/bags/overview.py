@@ -49,7 +49,7 @@ class ChangedKey(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordedRevision:
-    """A change that has come into force."""
+    """A change that has taken effect."""
 
     number: int
     step: int
@@ -227,7 +227,7 @@ def overview(path: str | Path) -> Overview:
     blocks, summaries = (_total(reader, pieces) for pieces in (found, seen.summaries))
     run = blocks if blocks.first else summaries
     losses += run.losses
-    unchecked = ["whether the extremes, which are those of the summaries in the bag, are those of the samples"]
+    unchecked = ["whether the extremes of the samples equal the extremes in the summaries of the bag, which are shown"]
     if decimated:
         losses += _uneven(reader, seen)
         unchecked.append("whether each step has every signal: they do not have samples at each step")

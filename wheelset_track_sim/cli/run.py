@@ -56,7 +56,9 @@ def run(
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
     bag, form = out, None if out is None else form_of(out)
     if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
-        raise InputError(f"--out {out} is a table: options of bags need a bag, such as {out.with_suffix('.mcap')}")
+        raise InputError(
+            f"--out {out} is a table, and you gave options of bags: leave them out, or give {out.with_suffix('.mcap')}"
+        )
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)

@@ -215,7 +215,7 @@ def line_steps(irregularities: Iterable[Irregularity], line_length: float | None
         steps = line_length / dx
         if abs(steps - round(steps)) > 1e-6:
             raise InputError(
-                f"line_length = {line_length:g} m is no whole number of steps of {dx:g} m: "
+                f"line_length = {line_length:g} m is not a whole number of steps of {dx:g} m: "
                 f"give {round(steps) * dx:.12g} m"
             )
         return round(steps)
@@ -225,8 +225,8 @@ def line_steps(irregularities: Iterable[Irregularity], line_length: float | None
     end = max(getattr(each, "end", 0.0) for each in on_rails)
     if end > LONGEST_LINE:
         raise InputError(
-            f"irregularities of rails reach to {end:g} m, and rails repeat after {LONGEST_LINE:g} m at most: give "
-            f"positions up to that, or a line_length after which they come again"
+            f"irregularities of rails reach to {end:g} m, and rails repeat after at most {LONGEST_LINE:g} m: give "
+            f"positions up to that, or a line_length after which they repeat"
         )
     return round(max(math.ceil(end / LINE), 1) * LINE / dx)
 

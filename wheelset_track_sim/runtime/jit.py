@@ -73,7 +73,10 @@ def trusted_folder() -> Path | None:
         if hasattr(os, "geteuid"):
             status = folder.stat()
             if status.st_uid not in (os.geteuid(), 0) or status.st_mode & 0o022:
-                log.warning("compiled kernels in %s are not used, since others can write there: remove it", folder)
+                log.warning(
+                    "compiled kernels in %s are not used, because other users can write there: remove that folder",
+                    folder,
+                )
                 return None
     return folder
 
@@ -108,7 +111,7 @@ def compiled_meanwhile(module: str) -> Iterator[None]:
         raise
     finally:
         if process.wait() != 0:
-            log.debug("kernels were not compiled beforehand: status %d", process.returncode)
+            log.debug("kernels could not be compiled in advance: status %d", process.returncode)
 
 
 def kernel(function: Function) -> Function:
@@ -144,7 +147,7 @@ class Address:
         self._numba_type_ = numba.types.FunctionType(self._signature)
 
     def __wrapper_address__(self) -> int:
-        """Where the compiled kernel stands."""
+        """Path of the compiled kernel."""
         if self._address is None:
             self._function.compile(self._signature.args)
             compiled = self._function.overloads[self._signature.args]
@@ -200,7 +203,11 @@ def _compiled_apart(function: Callable[..., Any], signature: Any) -> bool:
         check=False,
     )
     if done.returncode != 0:
-        log.debug("%s was not compiled apart: %s", function.__name__, done.stderr.decode(errors="replace"))
+        log.debug(
+            "%s could not be compiled in a process of its own: %s",
+            function.__name__,
+            done.stderr.decode(errors="replace"),
+        )
     return done.returncode == 0
 
 

@@ -1,4 +1,4 @@
-"""Changes of a run: accepted whole, put in order, and installed when they come into force."""
+"""Changes of a run: accepted whole, put in order, and installed when they take effect."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Applied:
-    """A change that has come into force: all that it takes to make it again."""
+    """A change that has taken effect: all that it takes to make it again."""
 
     revision: Revision
     scenario: Scenario
@@ -51,7 +51,7 @@ class Applied:
 
 
 class Changes:
-    """Conditions in the order in which they come into force; one thread runs, any thread adds."""
+    """Conditions in the order in which they take effect; one thread runs, any thread adds."""
 
     def __init__(self, first: Condition, tread_origin: int) -> None:
         self._lock = threading.Lock()
@@ -66,7 +66,7 @@ class Changes:
 
     @property
     def newest(self) -> Condition:
-        """The condition accepted last; it may come into force a little later."""
+        """The condition accepted last; it may take effect a little later."""
         with self._lock:
             return self._queue[-1] if self._queue else self._in_force
 
@@ -81,7 +81,7 @@ class Changes:
         exactly: bool = False,
         number: int | None = None,
     ) -> Revision:
-        """Accept a change, the next in ``number``, for the first step at which it can come into force.
+        """Accept a change, the next in ``number``, for the first step at which it can take effect.
 
         That is after the block at hand and all earlier changes, from ``not_before`` on, where nothing that changes is
         in a contact patch. If there is no such step within a turn of the wheel, or with ``exactly`` at that very step,
@@ -107,7 +107,7 @@ class Changes:
         return revision
 
     def due(self, step: int) -> Iterator[Condition]:
-        """Conditions that come into force up to ``step``, one after the other."""
+        """Conditions that take effect up to ``step``, one after the other."""
         while True:
             with self._lock:
                 if not self._queue or self._queue[0].from_step > step:

@@ -1,4 +1,4 @@
-"""When a change of treads and rails can come into force: between two passages of what changes, or by fading.
+"""When a change of treads and rails can take effect: between two passages of what changes, or by fading.
 
 A defect that changes waits until it is out of the contact patch, which takes a turn of the wheel at most. Roughness
 and polygons never leave the patch. There the surface fades from the old shape to the new one while it rolls: at a step

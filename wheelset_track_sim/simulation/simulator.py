@@ -147,7 +147,7 @@ class Simulator:
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario as last accepted; it may come into force a little later."""
+        """The scenario of the last accepted change, which may take effect a little later."""
         return self._changes.newest.scenario
 
     @property
@@ -167,7 +167,7 @@ class Simulator:
 
     @property
     def history(self) -> tuple[Applied, ...]:
-        """What the run started under, and each change that has come into force since: the latest ``REMEMBERED``."""
+        """The start of the run and each change that has taken effect since: the latest ``REMEMBERED``."""
         return self._history
 
     @property
@@ -235,11 +235,11 @@ class Simulator:
 
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
-        It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
+        It takes effect between two blocks, at the first step from ``not_before`` on at which no irregularity that
         changes is in the contact patch. If there is none within a turn of the wheel, the surfaces fade (``passage``).
         From that step on a changed load rises (``preload``), and the ramps to a changed ``speed`` and torque begin,
         which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged value, too. With
-        ``exactly`` it does not wait for the contact patch, but comes into force at ``not_before``, where it has done so
+        ``exactly`` it does not wait for the contact patch, but takes effect at ``not_before``, where it has done so
         before.
         """
         newest = self._changes.newest
@@ -249,8 +249,8 @@ class Simulator:
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
         if scenario.axle_load != current.axle_load and self._models.vehicle and self._models.vehicle.body_mass:
             raise InputError(
-                "axle_load cannot change during a run with vehicle.body_mass, which is what it loads: start a new run, "
-                "or leave body_mass out"
+                "axle_load cannot change during a run with vehicle.body_mass, because the car body is that load: "
+                "start a new run, or leave body_mass out"
             )
         current.loads.check_change(scenario.loads)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards
@@ -270,7 +270,7 @@ class Simulator:
         return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
 
     def advance(self, steps: int) -> SampleBlock:
-        """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
+        """Simulate the next ``steps`` samples, or fewer if a change takes effect or the speed changes after them.
 
         A simulator that is not settled yet is settled first. Raises ContactError with step and inputs if a contact
         problem has no solution; samples solved before that step are returned first.

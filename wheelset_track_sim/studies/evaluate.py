@@ -37,7 +37,7 @@ class Job:
     before: float
     """Track from which results are kept, before the place where angle 0 of the treads meets the rail, m."""
     after: float
-    """The same behind that place, m."""
+    """The same after that place, m."""
     outputs: tuple[str, ...]
     histories: tuple[str, ...] = ()
     pressures: tuple[str, ...] = ()
@@ -92,7 +92,7 @@ def evaluate(job: Job, made_for: str) -> Result:
     """
     if made_for != program():
         raise WheelsetTrackError(
-            f"this worker has another program ({__version__}): install the same version everywhere"
+            f"this worker runs another version of the program ({__version__}): install the same version everywhere"
         )
     simulator = Simulator(job.scenario, models=models(job.scenario))
     while simulator.next_step < job.first_step:
