@@ -40,7 +40,7 @@ def nested_contacts(
     ordered = separation.ravel()[element]
     left_out = np.delete(separation.ravel(), element).min(initial=np.inf)
     material = geometry.youngs_modulus, geometry.poissons_ratio
-    spacing = float(x[1] - x[0]), float(y[1] - y[0])
+    spacing = float(x[len(x) // 2 + 1]), float(y[len(y) // 2 + 1])  # from 0: the same to the last bit in every area
     factor, inverse, punch, own, far = _factor(*material, *spacing, tuple(i - len(x) // 2), tuple(j - len(y) // 2))
     return NestedContacts(
         element=element,
