@@ -190,7 +190,9 @@ def law_of_surfaces(
     hinges = no_hinges()
     if filtered:
         different = nested[:1] if nested[1] is nested[0] else nested
-        hinges = hinges_of(different, ny, geometry.contact_modulus, dx, dy)
+        along = dx * np.arange(-nx, nx + 1)
+        fall = np.stack([geometry.separation(wheel, along, touch[wheel]) for wheel in range(len(different))])
+        hinges = hinges_of(different, fall, ny, geometry.contact_modulus, dx, dy)
     return ContactLaw(
         tread=tread,
         rail_row=rail_row,
