@@ -122,6 +122,20 @@ def test_a_settled_state_on_surfaces_is_started_from_again(name: str) -> None:
     assert all(np.array_equal(again.advance(500).forces, forces) for forces in expected)
 
 
+def test_a_branch_goes_on_by_itself() -> None:
+    run = toy_simulator()
+    run.advance(300)
+    branch = run.branch()
+    branch.apply(dataclasses.replace(branch.scenario, axle_load=150e3))
+    loaded = [branch.advance(500).forces for _ in range(2)][1]
+    forces, of_branch = run.branch().advance(1000).forces, run.advance(1000).forces
+    assert np.array_equal(forces, of_branch)
+    assert np.array_equal(forces, np.concatenate([block.forces for block in advance_to(toy_simulator(), 1300)])[300:])
+    assert not np.array_equal(loaded, forces[500:])
+    assert (run.revision, branch.revision, run.scenario.axle_load) == (0, 1, 196200.0)
+    assert toy_simulator().branch().next_step == 0
+
+
 @pytest.mark.parametrize("name", ["undamaged", "hanging_sleeper"])
 def test_treads_differ_from_one_settled_state(name: str) -> None:
     plain = Simulator(load_scenario(name))

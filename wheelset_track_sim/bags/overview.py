@@ -9,14 +9,14 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
-from ..samples.block import SampleBlock
+from ..samples.block import UNCOUNTED, ContactCounts, SampleBlock
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
 from .bag import STATE, Bag
 from .bag_reader import FORCES, SAMPLES, BagReader, Located
@@ -239,7 +239,7 @@ def overview(path: str | Path) -> Overview:
     elif summaries.summary is None:
         unchecked = []
         for block in _blocks(bag):
-            part = summarise(block)
+            part = replace(summarise(block), contacts=UNCOUNTED)
             summaries.summary = part if summaries.summary is None else combine([summaries.summary, part])
     unchecked += [f"{file} is left out" for file in reader.folder.left_out]
     return Overview(
@@ -329,8 +329,12 @@ def _piece(message: Any) -> _Piece:
         samples,
         float(message.time),
         float(message.step_period),
-        Summary(samples, (wheels[0], wheels[1]), nodes),
+        Summary(samples, (wheels[0], wheels[1]), nodes, _contacts(message)),
     )
+
+
+def _contacts(message: Any) -> ContactCounts:
+    return ContactCounts(int(message.solved_steps), int(message.filtered_steps), float(message.largest_estimate))
 
 
 def _blocks(bag: Bag) -> Iterator[SampleBlock]:

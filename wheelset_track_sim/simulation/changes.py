@@ -6,7 +6,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..contact.law_kernels import ContactLaw
 from ..runtime.arrays import Real
@@ -39,6 +39,10 @@ class Condition:
     tread_origin: int
     """Step at row 0 of the law's treads."""
 
+    def branch(self) -> Condition:
+        """The same with a copy of the last solution, from which those of another run go on."""
+        return replace(self, law=self.law._replace(in_contact=self.law.in_contact.copy()))
+
 
 @dataclass(frozen=True)
 class Applied:
@@ -58,6 +62,14 @@ class Changes:
         self._in_force, self._tread_origin = first, tread_origin
         self._queue: deque[Condition] = deque()
         self._horizon = first.revision.step
+
+    def copy(self) -> Changes:
+        """The same changes, with contacts of their own, for a run that goes on by itself."""
+        with self._lock:
+            copied = Changes(self._in_force.branch(), self._tread_origin)
+            copied._queue = deque(condition.branch() for condition in self._queue)
+            copied._horizon = self._horizon
+        return copied
 
     @property
     def in_force(self) -> Condition:

@@ -12,12 +12,14 @@ import numpy as np
 from ..contact.geometry import ContactGeometry
 from ..contact.law import build_contact_law, law_of_surfaces, rolling_surfaces
 from ..contact.law_kernels import ContactLaw
+from ..contact.solutions import approach_for_force
 from ..dynamics.causal import causal_model
 from ..dynamics.interface import DynamicsModel
 from ..dynamics.line import line_model
 from ..dynamics.paper import paper_model
 from ..dynamics.running_wheelset import running_wheelset, truncated
 from ..irregularities import Irregularity, line_steps
+from ..runtime.arrays import Real
 from ..runtime.cache import digest
 from ..runtime.jit import compiled_meanwhile
 from ..runtime.progress import Progress
@@ -35,6 +37,10 @@ from .passage import FADE, faded
 
 KERNELS = f"{__package__}.compilation"
 """Module that compiles the kernels of a run when it is executed."""
+
+
+KEPT = 64
+"""Loads and speeds whose preload is kept: for another one it takes 10 ms."""
 
 
 @dataclass(eq=False)
@@ -58,6 +64,7 @@ class Models:
     tolerance: float = 0.0
     """Largest estimated error of a filtered contact force, share of the static load; 0 solves all contacts."""
     _smooth: ContactLaw | None = field(default=None, repr=False)
+    _preloads: dict[tuple[float, float], Real] = field(default_factory=dict, repr=False)
 
     def contact_law(
         self,
@@ -79,12 +86,24 @@ class Models:
             rail_steps=line_steps(irregularities, line_length, self.step_length),
             hardness=self.hardness,
             tables=self.tables,
+            smooth=self._smooth,
             filtered=self.tolerance > 0.0,
             progress=progress,
         )
         if not irregularities:
             self._smooth = law
         return with_own_state(law)
+
+    def preload(self, wheel_load: float, speed: float) -> Real:
+        """Approach (2,) m of wheel and rail without dynamics that loads each contact with ``wheel_load``, N."""
+        under = wheel_load, speed
+        if under not in self._preloads:
+            smooth, displaced = self.contact_law(()), self.dynamics.preload(wheel_load, self.step_length, speed)
+            indented = [approach_for_force(smooth, wheel, 0, 0, wheel_load) for wheel in (0, 1)]
+            while len(self._preloads) >= KEPT:
+                self._preloads.pop(next(iter(self._preloads)))
+            self._preloads[under] = displaced + indented
+        return self._preloads[under]
 
     def fade_law(
         self, before: Scenario, after: Scenario, first: int, speed: float | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 from functools import partial
@@ -10,7 +11,7 @@ from typing import cast
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw
-from ..contact.solutions import ContactPatch, approach_for_force
+from ..contact.solutions import ContactPatch
 from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
@@ -87,14 +88,9 @@ class Simulator:
         self._smooth = self._models.contact_law(())
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
         begun = scenario.settles_on_surfaces
-        revision, preload, origin = (
-            Revision(0, self._start.step),
-            self._preload_for(scenario),
-            self._models.tread_origin,
-        )
-        first = Condition(
-            revision, scenario, law if begun else self._smooth, preload, self._start.step, self._models.tread_origin
-        )
+        revision, origin = Revision(0, self._start.step), self._models.tread_origin
+        preload = self._models.preload(scenario.wheel_load, scenario.speed)
+        first = Condition(revision, scenario, law if begun else self._smooth, preload, self._start.step, origin)
         self._coupled: Coupled | None = None
         self._loading = Loading(preload)
         self._preload = np.empty((0, 2))
@@ -135,20 +131,38 @@ class Simulator:
         """
         if self._coupled is not None:
             raise ValueError("the run has begun: settle a new simulator")
-        scenario, start = self._first.scenario, self._start
-        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
-        under = Settling(scenario.wheel_load, start.step, start.speed, on)
         if settled is None:
-            settled = settle(self._models, self._first, self._smooth, under)
-        settled.check(under, self._models)
+            settled = settle(self._models, self._first, self._smooth, self.settling)
+        settled.check(self.settling, self._models)
         self._coupled = settled.coupled.copy()
         self._first.law.in_contact[...] = settled.in_contact
         return settled
 
     @property
+    def settling(self) -> Settling:
+        """What the run settles under: simulators on the same models share a settled state if this is equal."""
+        scenario, start = self._first.scenario, self._start
+        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
+        return Settling(scenario.wheel_load, start.step, start.speed, on)
+
+    def branch(self) -> Simulator:
+        """The same run, settled, which goes on by itself: what is applied to one of both does not change the other."""
+        if self._coupled is None:
+            self.settle()
+        branched = copy.copy(self)
+        branched._coupled = cast("Coupled", self._coupled).copy()
+        branched._changes = self._changes.copy()
+        return branched
+
+    @property
     def scenario(self) -> Scenario:
         """The scenario of the last accepted change, which may take effect a little later."""
         return self._changes.newest.scenario
+
+    @property
+    def changed_from(self) -> int:
+        """First step of its surfaces: that of its revision, or the end of the fade to them."""
+        return self._changes.newest.from_step
 
     @property
     def in_force(self) -> Scenario:
@@ -266,7 +280,7 @@ class Simulator:
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
         fade = partial(self._models.fade_law, current, scenario)
-        preload = self._preload_for(scenario)
+        preload = self._models.preload(scenario.wheel_load, scenario.speed)
         return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
 
     def advance(self, steps: int) -> SampleBlock:
@@ -319,12 +333,6 @@ class Simulator:
         if self._superposition is None:
             return np.zeros((nodes, len(COMPONENTS)))
         return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
-
-    def _preload_for(self, scenario: Scenario) -> Real:
-        smooth = self._models.contact_law(())
-        load = scenario.wheel_load
-        preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
-        return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""
