@@ -53,6 +53,13 @@ def test_load_cases_are_the_shipped_scenarios() -> None:
         assert cases[label].settle_on == "smooth"
 
 
+def test_figures_take_a_wheelset_from_a_file(tmp_path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(shipped.text("wheelsets", "trailer").replace("name: trailer", "name: mine"), encoding="utf-8")
+    changes = [f"wheelset={file}", "output.stress_nodes=[A1]"]
+    assert scenario_from(load_study("wheelset_modes").base(changes)).wheelset.name == "mine"
+
+
 def test_runs_are_the_product_the_last_axis_fastest(small, study_file) -> None:
     runs = load_study(study_file(small)).runs()
     assert [run.label for run in runs] == ["90 km/h, 0 mm", "90 km/h, 0.3 mm", "100 km/h, 0 mm", "100 km/h, 0.3 mm"]
