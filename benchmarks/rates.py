@@ -54,9 +54,10 @@ def subscriber_cost(topic: str, kind: str, chunk: float, *, seconds: float = 15.
         time.sleep(seconds)
         return (_used(listening.pid) - before) / (time.monotonic() - began)
     finally:
-        for process in (node, listening):
-            process.terminate()
-            process.wait()
+        node.terminate()
+        node.wait()
+        listening.kill()
+        listening.wait()
 
 
 def _used(pid: int) -> float:
