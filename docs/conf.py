@@ -2,8 +2,8 @@
 
 The pages are written to be read in the repository too, so they contain nothing of Sphinx. The navigation is the list of
 pages in ``index.md``: each of its sections becomes a part of the sidebar. Links to files that are no pages lead to the
-repository if its address is known (WHEELSET_TRACK_SIM_REPOSITORY), and are plain text otherwise. Notebooks are shown with
-the output that they hold; nothing is executed.
+repository if its address is known (WHEELSET_TRACK_SIM_REPOSITORY), and are plain text otherwise. Notebooks are shown
+with the output that they hold; nothing is executed.
 """
 
 import json
