@@ -78,6 +78,11 @@ def test_what_is_copied_loads(kind: str, name: str, tmp_path: Path, capsys: pyte
     assert load(copy) == load(name)  # type: ignore[operator]
 
 
+@pytest.mark.parametrize("name", shipped.names("wheelsets"))
+def test_every_wheelset_has_the_node_that_the_advice_names(name: str) -> None:
+    assert "A1" in {node.name for node in load_wheelset(name).stress_nodes}
+
+
 def test_a_copy_has_the_name_of_what_is_copied_and_replaces_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -43,14 +43,22 @@ def test_shipped_studies_load_and_all_their_scenarios_check(name: str, dynamics:
 
 
 def test_load_cases_are_the_shipped_scenarios() -> None:
-    cases = {run.points[0].label: run.scenario.irregularities for run in load_study("load_cases").runs()}
+    cases = {run.points[0].label: run.scenario for run in load_study("load_cases").runs()}
     for label, name in (
         ("no damage", "undamaged"),
         ("damage on wheel 1", "damage_wheel_1"),
         ("damage on wheel 2", "damage_wheel_2"),
         ("damage on both wheels", "damage_both"),
     ):
-        assert cases[label] == load_scenario(name).irregularities
+        assert cases[label].irregularities == load_scenario(name).irregularities
+        assert cases[label].settle_on == "smooth"
+
+
+def test_figures_take_a_wheelset_from_a_file(tmp_path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(shipped.text("wheelsets", "trailer").replace("name: trailer", "name: mine"), encoding="utf-8")
+    changes = [f"wheelset={file}", "output.stress_nodes=[A1]"]
+    assert scenario_from(load_study("wheelset_modes").base(changes)).wheelset.name == "mine"
 
 
 def test_runs_are_the_product_the_last_axis_fastest(small, study_file) -> None:

@@ -152,6 +152,7 @@ class Study:
             key, value = change_of(change)
             suspect(key, value, f"--set {key}")
             assign(data, key, value, "--set ")
+        take_in(data)
         return data
 
     def runs(self, changes: Sequence[str] = ()) -> tuple[StudyRun, ...]:
