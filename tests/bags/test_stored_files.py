@@ -227,7 +227,7 @@ def test_a_database_that_is_no_bag(tmp_path: Path, script: str, capsys: pytest.C
         if "VIEW" not in script and "messages" in script:
             database.execute("INSERT INTO messages VALUES (1, 1, 1)")
     database.close()
-    with pytest.raises(NoBagError, match="SQLite, but no bag of ros2 bag"):
+    with pytest.raises(NoBagError, match="SQLite file, but no bag of ros2 bag"):
         read_bag(file)
     assert main(["info", str(file)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
