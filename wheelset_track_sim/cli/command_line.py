@@ -442,6 +442,10 @@ def _add_replay(commands: _Commands) -> None:
     replay.add_argument("--loop", action="store_true", default=None, help="begin again at the end")
     replay.add_argument("--start-offset", type=float, metavar="S", help="begin that long after the first message")
     replay.add_argument("--duration", type=float, metavar="S", help="end after that time in the bag")
+    replay.add_argument("--delay", type=float, metavar="S", help="begin that long after the start of the program")
+    replay.add_argument(
+        "--wait", type=float, metavar="S", help="longest time to wait for a subscription first (default: 2)"
+    )
     replay.add_argument("--stamps", metavar="original|now", help="stamps as recorded (default), or current ones")
     replay.add_argument("--publish-clock", action="store_true", default=None, help="publish the time on /clock")
     replay.add_argument("--prefix", metavar="NAME", help="put topics below this name, ~ is the node's own")
