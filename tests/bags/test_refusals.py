@@ -105,7 +105,7 @@ def test_a_missing_bag(tmp_path):
 
 
 def test_a_folder_without_a_bag(tmp_path):
-    with pytest.raises(RecordingError, match=r"holds no \.mcap file"):
+    with pytest.raises(RecordingError, match=r"holds no \.mcap or \.db3 file"):
         read_bag(tmp_path)
 
 
@@ -113,7 +113,7 @@ def test_a_folder_without_a_bag(tmp_path):
 def test_another_kind_of_file(tmp_path, content):
     path = tmp_path / "run.mcap"
     path.write_bytes(content)
-    with pytest.raises(RecordingError, match="not a complete bag") as error:
+    with pytest.raises(RecordingError, match="is neither MCAP" if content else "not a complete bag") as error:
         read_bag(path)
     one_line(error)
 

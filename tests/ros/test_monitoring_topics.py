@@ -17,7 +17,17 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 OK, WARN, ERROR, STALE = b"\x00", b"\x01", b"\x02", b"\x03"
 NODE = "wheelset_track_sim"
-SUBJECTS = {"simulation", "recording", "wheel_1", "wheel_2", "stress A1", "stress B1", "stress C1", "pacing"}
+SUBJECTS = {
+    "simulation",
+    "recording",
+    "services",
+    "wheel_1",
+    "wheel_2",
+    "stress A1",
+    "stress B1",
+    "stress C1",
+    "pacing",
+}
 STATIC = load_scenario("damage_wheel_1").wheel_load
 TURN = 2713
 
@@ -175,7 +185,11 @@ def test_progress_of_the_models_and_the_lifecycle_are_told(start, client, diagno
     assert client.transition("deactivate")
     assert client.transition("cleanup")
     assert diagnostics.until("simulation", lambda status: status.message == "unconfigured")
-    assert {status.name.partition(": ")[2] for status in diagnostics.found[-1][1].status} == {"simulation", "recording"}
+    assert {status.name.partition(": ")[2] for status in diagnostics.found[-1][1].status} == {
+        "simulation",
+        "recording",
+        "services",
+    }
     assert node.signal(signal.SIGINT) == 0, node.errors
     assert "Traceback" not in node.errors
 

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..inputs.yaml12 import dump
 from ..scenario import change_of
 from .console import print_object, terminal
+from .loading import loaded
 
 LONGEST = 3600.0
 """Longest time to wait for a node, s."""
@@ -110,6 +111,7 @@ def _needs_ros(command: str) -> Iterator[None]:
     """Around the import of a node: raises InputError in one line without ROS 2 or the built messages."""
     try:
         yield
+        loaded()
     except ModuleNotFoundError as missing:
         if missing.name not in {"rclpy", "wheelset_track_msgs"}:
             raise

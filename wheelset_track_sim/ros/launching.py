@@ -43,6 +43,8 @@ OF_REPLAY: Shown = {
     "loop": ("loop", bool, "begin again at the end: true or false"),
     "start_offset": ("start_offset", float, "time after the first message at which the replay begins, s"),
     "duration": ("duration", float, "time of the bag after which the replay ends, s; 0 is all of it"),
+    "delay": ("delay", float, "time that passes before the replay begins, s"),
+    "wait": ("wait", float, "longest time to wait for a subscription before the replay begins, s"),
     "start_paused": ("start_paused", bool, "wait until the service resume is called: true or false"),
     "stamps": ("stamps", str, "original, or now: current time stamps"),
     "publish_clock": ("publish_clock", bool, "publish the time of the replay on /clock: true or false"),

@@ -28,6 +28,7 @@ from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .answers import answer_always
 from .clock import NodeClock
+from .lost_answers import LostAnswers
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
@@ -81,9 +82,14 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._outputs = Outputs(self, self.parameters.decimation({}))
         self.recorder = Recorder(self.get_fully_qualified_name(), self.get_logger().error)
         self._set_recorder(self.parameters.recording({}))
-        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self.recorder.figures))
+        lost = LostAnswers(self.get_logger())
+        self._monitoring = Monitoring(
+            self, self.parameters, lambda: [recording_status(self.recorder.figures), lost.status()]
+        )
         Services(self)
         answer_always(self)
+        for service in self.services:
+            lost.watch(service)
         self._turns = in_turns(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 

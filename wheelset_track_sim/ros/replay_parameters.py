@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..inputs.schema import quantity_of
 from ..live.player import Playback
 from .declaring import declare, fixed, flag, number, warn_of_unknown
+from .replay_start import Start
 
 START_UP = {
     "bag": ("", "Bag folder or .mcap file"),
@@ -30,6 +31,7 @@ START_UP = {
 STAMPS = ("original", "now")
 POSITION = dataclasses.replace(quantity_of(Playback, "start_offset"), meaning="the time in the bag, set to seek there")
 FIXED = ("start_offset", "duration")
+BEFORE = ("delay", "wait")
 
 
 class ReplayParameters:
@@ -42,6 +44,8 @@ class ReplayParameters:
             declare(node, name, default, fixed(description))
         for name in ("rate", *FIXED):
             declare(node, name, getattr(Playback, name), number(quantity_of(Playback, name), read_only=name in FIXED))
+        for name in BEFORE:
+            declare(node, name, getattr(Start, name), number(quantity_of(Start, name), read_only=True))
         declare(node, "position", self["start_offset"], number(POSITION))
         declare(node, "loop", False, flag("Begin again at the end"))
         warn_of_unknown(node)
@@ -62,6 +66,10 @@ class ReplayParameters:
     def playback(self) -> Playback:
         """What is to be played, and how."""
         return Playback(**{field.name: self[field.name] for field in dataclasses.fields(Playback)})
+
+    def start(self) -> Start:
+        """When it begins."""
+        return Start(**{name: self[name] for name in BEFORE})
 
     def renamed(self, topic: Topic, recorded: Iterable[Topic]) -> str:
         """Name under which a topic is published; InputError if ``recorded`` are of several nodes, and one is named."""

@@ -46,6 +46,16 @@ def add_replay(commands: Commands) -> None:
         "--start-offset", action=Amount, unit="s", metavar="TIME", help="skip this time at the beginning"
     )
     replay.add_argument("--duration", action=Amount, unit="s", metavar="TIME", help="stop after this time of the bag")
+    replay.add_argument(
+        "--delay", action=Amount, unit="s", metavar="TIME", help="wait at least this long before the first message"
+    )
+    replay.add_argument(
+        "--wait",
+        action=Amount,
+        unit="s",
+        metavar="TIME",
+        help="wait at most this long for subscriptions before the first message (default: 2 s)",
+    )
     replay.add_argument("--stamps", metavar="original|now", help="time stamps: as recorded (default), or those of now")
     replay.add_argument(
         "--publish-clock", action="store_true", default=None, help="publish the time of the replay on /clock"

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ...bags import Bag
+from ...bags.folder_files import suffix_of
 from ...errors import InputError, warn
 from ...inputs.tables import Column, ColumnTable, key, read_table
 from ...inputs.units import UNITS, Dimension, names_of, unit_named
@@ -70,7 +71,7 @@ def read_measurement(path: str | Path, reading: Reading | None = None) -> Measur
         If a bag cannot be read.
     """
     path = Path(path)
-    if path.is_dir() or path.suffix.lower() == ".mcap":
+    if path.is_dir() or suffix_of(path):
         return _of_bag(path)
     if not path.exists():
         raise InputError(f"{path} does not exist: give a text file or a bag")
