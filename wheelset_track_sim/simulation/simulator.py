@@ -23,6 +23,7 @@ from .coupled import AHEAD, Coupled
 from .instants import Contact
 from .limits import warn_of_limits
 from .models import Models, load_models
+from .passage import passage
 from .preload import Loading
 from .settling import SETTLING, Settled, Settling, settle
 from .speed import Course, Stretch
@@ -265,6 +266,8 @@ class Simulator:
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
+        if not same:
+            self._prepare(newest.law, law)
         fade = partial(self._models.fade_law, current, scenario)
         preload = self._preload_for(scenario)
         return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
@@ -325,6 +328,12 @@ class Simulator:
         load = scenario.wheel_load
         preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
         return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
+
+    def _prepare(self, before: ContactLaw, law: ContactLaw) -> None:
+        """Compile what steps under a law, or a fade to it, call: the run would wait for the compiler."""
+        solves = len(law.nested[0].element) > 0
+        if self._coupled and (solves or passage(before, law, self.next_step, self._models.tread_origin) is None):
+            self._coupled.prepare(law)
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""
