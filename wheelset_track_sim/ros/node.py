@@ -25,6 +25,7 @@ from ..scenario import Scenario
 from ..scenario.values import values_of
 from ..simulation.changes import Revision
 from ..simulation.fleet import ModelPool
+from ..simulation.models import compile_for_changes
 from ..simulation.simulator import Simulator
 from .answers import answer_always
 from .clock import NodeClock
@@ -289,6 +290,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def _begin(self, simulator: Simulator, bag: Path | None) -> None:
         """A run that is paused at step 0; ``bag`` is opened when it continues."""
         self.revisions.attach(simulator)
+        compile_for_changes(simulator.scenario)
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact

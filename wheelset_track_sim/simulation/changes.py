@@ -58,7 +58,7 @@ class Changes:
     """Conditions in the order in which they take effect; one thread runs, any thread adds."""
 
     def __init__(self, first: Condition, tread_origin: int) -> None:
-        self._lock = threading.Lock()
+        self._lock, self._adding = threading.Lock(), threading.Lock()
         self._in_force, self._tread_origin = first, tread_origin
         self._queue: deque[Condition] = deque()
         self._horizon = first.revision.step
@@ -99,24 +99,32 @@ class Changes:
         in a contact patch. If there is no such step within a turn of the wheel, or with ``exactly`` at that very step,
         the surfaces ``fade``: that makes the contact law of a fade from a step on, and its length in steps. At the
         start (``number`` 0) the wait is shorter.
+
+        The run goes on meanwhile. If it comes past the step before the change is complete, a later one is tried, twice
+        as far ahead as the run has come.
         """
-        with self._lock:
-            last = self._queue[-1] if self._queue else self._in_force
-            earliest = max(self._horizon, last.from_step, not_before)
-            step = passage(last.law, law, earliest, self._tread_origin)
-            wait = 0 if exactly else START * len(law.x) if number == 0 else math.inf
-            if step is not None and step > earliest + wait:
-                step = None
-            number = last.revision.number + 1 if number is None else number
-            revision = Revision(number, earliest if step is None else step)
-            begin = revision.step
-            if step is None:
-                fading, steps = fade(begin)
-                row_0 = begin - len(fading.x)
-                self._queue.append(Condition(revision, scenario, fading, preload, begin, row_0))
-                begin += steps
-            self._queue.append(Condition(revision, scenario, law, preload, begin, self._tread_origin))
-        return revision
+        with self._adding:
+            lead = 0
+            while True:
+                last, earliest = self.newest, max(self._horizon, not_before)
+                first = max(earliest + lead, last.from_step)
+                step = passage(last.law, law, first, self._tread_origin)
+                wait = 0 if exactly else START * len(law.x) if number == 0 else math.inf
+                if step is not None and step > first + wait:
+                    step = None
+                begin = first if step is None else step
+                revision = Revision(last.revision.number + 1 if number is None else number, begin)
+                queued, from_step = [], begin
+                if step is None:
+                    fading, steps = fade(begin)
+                    queued.append(Condition(revision, scenario, fading, preload, begin, begin - len(fading.x)))
+                    from_step += steps
+                queued.append(Condition(revision, scenario, law, preload, from_step, self._tread_origin))
+                with self._lock:
+                    if self._horizon <= begin:
+                        self._queue.extend(queued)
+                        return revision
+                    lead = 2 * (self._horizon - earliest)
 
     def due(self, step: int) -> Iterator[Condition]:
         """Conditions that take effect up to ``step``, one after the other."""

@@ -21,7 +21,7 @@ from ..dynamics.running_wheelset import running_wheelset, truncated
 from ..irregularities import Irregularity, line_steps
 from ..runtime.arrays import Real
 from ..runtime.cache import digest
-from ..runtime.jit import compiled_meanwhile
+from ..runtime.jit import compile_ahead, compiled_meanwhile
 from ..runtime.progress import Progress
 from ..scenario import Scenario
 from ..scenario.scenario import PAPER_BAND
@@ -36,7 +36,7 @@ from ..wheelset.vehicle import Vehicle
 from .passage import FADE, faded
 
 KERNELS = f"{__package__}.compilation"
-"""Module that compiles the kernels of a run when it is executed."""
+"""Module that compiles a set of kernels when it is executed with its name."""
 
 
 KEPT = 64
@@ -145,13 +145,23 @@ def with_own_state(law: ContactLaw) -> ContactLaw:
     return law._replace(in_contact=np.zeros_like(law.in_contact))
 
 
+def compile_for_changes(scenario: Scenario) -> None:
+    """Begin to compile, beside the run of a scenario, what a change of its irregularities may need."""
+    if scenario.dynamics != "paper":
+        compile_ahead(KERNELS, f"{_steps(scenario)}-changes")
+
+
+def _steps(scenario: Scenario) -> str:
+    return "causal" if scenario.track.line is None else "line"
+
+
 def load_models(
     scenario: Scenario, progress: Progress | None = None, *, tables: bool | Literal["smooth"] = True
 ) -> Models:
     """Models of a scenario, ``tables`` as for ``build_contact_law``."""
     if scenario.dynamics == "paper":
         return _models(scenario, progress, tables)
-    with compiled_meanwhile(KERNELS):
+    with compiled_meanwhile(KERNELS, _steps(scenario)):
         models = _models(scenario, progress, tables)
         models.contact_law((), progress)
     return models

@@ -24,6 +24,7 @@ from .coupled import AHEAD, Coupled
 from .instants import Contact
 from .limits import warn_of_limits
 from .models import Models, load_models
+from .passage import passage
 from .preload import Loading
 from .settling import SETTLING, Settled, Settling, settle
 from .speed import Course, Stretch
@@ -279,6 +280,8 @@ class Simulator:
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
+        if not same:
+            self._prepare(newest.law, law)
         fade = partial(self._models.fade_law, current, scenario)
         preload = self._models.preload(scenario.wheel_load, scenario.speed)
         return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
@@ -333,6 +336,12 @@ class Simulator:
         if self._superposition is None:
             return np.zeros((nodes, len(COMPONENTS)))
         return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
+
+    def _prepare(self, before: ContactLaw, law: ContactLaw) -> None:
+        """Compile what steps under a law, or a fade to it, call: the run would wait for the compiler."""
+        solves = len(law.nested[0].element) > 0
+        if self._coupled and (solves or passage(before, law, self.next_step, self._models.tread_origin) is None):
+            self._coupled.prepare(law)
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""
