@@ -158,7 +158,7 @@ def test_missing_values_are_missing_in_the_mean_where_all_turns_miss_them(folder
         Profile("wheel_1", str(path), turns="first")
 
 
-@pytest.mark.parametrize(("options", "refused"), [({"turns": "first"}, "turns are"), ({"drift": "remove"}, "drift is")])
+@pytest.mark.parametrize(("options", "refused"), [({"turns": "first"}, "turns are"), ({"drift": "remove"}, "drift applies")])
 def test_rails_do_not_turn(folder: Path, options: dict[str, str], refused: str) -> None:
     file = folder / "rail.csv"
     np.savetxt(file, np.column_stack([np.arange(300.0), np.sin(np.arange(300.0))]), header="s [mm] dev [um]")
