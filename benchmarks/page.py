@@ -56,7 +56,13 @@ class Results:
 def _merit(run: dict[str, Any]) -> float:
     """The larger the better: by what the benchmark measured itself, or its best time."""
     facts = run["extra_info"]
-    for key, sense in (("real_time_factor", 1), ("in_real_time", 1), ("share_of_core", -1), ("ratio", -1)):
+    for key, sense in (
+        ("real_time_factor", 1),
+        ("in_real_time", 1),
+        ("share_of_core", -1),
+        ("ratio", -1),
+        ("processor_s", -1),
+    ):
         if key in facts:
             return float(sense * facts[key])
     return -float(run["stats"]["min"])
@@ -320,12 +326,29 @@ def contact_filter(r: Results) -> str:
     return table(heads, rows)
 
 
+def lines(r: Results) -> str:
+    """Steps of bays against those of modes."""
+    rows = [
+        (run["case"], run["line_ns"], run["modes_ns"], number(run["ratio"], 1)) for run in r.facts("test_line_step[")
+    ]
+    return table(("case", "bays, ns", "modes, ns", "bays to modes"), rows)
+
+
+def changes(r: Results) -> str:
+    """Time of the processor for starts and changes."""
+    rows = [(f"start: {run['what']}", number(run["processor_s"], 2)) for run in r.facts("test_start[")]
+    rows += [(f"change: {run['kind']}", number(run["processor_s"], 2)) for run in r.facts("test_change[")]
+    return table(("", "s"), rows)
+
+
 SECTIONS: dict[str, Callable[[Results], str]] = {
     "machine": machine,
     "goals": goals,
     "profile": profile,
     "reference": reference,
     "filter": contact_filter,
+    "lines": lines,
+    "changes": changes,
     "scaling": scaling,
     "contact": contact,
     "more": more,
