@@ -32,6 +32,7 @@ class Coupled:
         self._ahead: dict[float, Future[None]] = {}
         self._next = step
         self._xi = np.empty((0, 2, 2))
+        self._signals = np.empty((0, models.dynamics.sensor_rows))
         self._contacts = NO_CONTACTS
 
     def copy(self) -> Coupled:
@@ -52,6 +53,11 @@ class Coupled:
         return self._xi
 
     @property
+    def signals(self) -> Real:
+        """Rows of sensors of the latest block, (samples, rows), SI units."""
+        return self._signals
+
+    @property
     def contacts(self) -> ContactCounts:
         """How the contacts of the latest block were found."""
         return self._contacts
@@ -70,6 +76,7 @@ class Coupled:
         tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
         stress = np.empty((steps, len(self.models.dynamics.stress_rows)))
+        signals = np.empty((steps, self.models.dynamics.sensor_rows))
         xi = np.empty((steps, 2, 2))
         untabled = np.zeros(3)
         done = 0
@@ -88,6 +95,7 @@ class Coupled:
                     self._next + solved,
                     forces[part],
                     stress[part],
+                    signals[part],
                     xi[part],
                     untabled,
                 )
@@ -100,8 +108,9 @@ class Coupled:
                     self._refuse(preload, xi)
                 break
         self._contacts = ContactCounts(int(untabled[0]), int(untabled[1]), float(untabled[2]))
-        forces, stress, self._xi = forces[:done], stress[:done], xi[:done]
-        require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress)
+        forces, stress, self._signals, self._xi = forces[:done], stress[:done], signals[:done], xi[:done]
+        sensed = {"sensors": self._signals} if self._signals.size else {}
+        require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress, **sensed)
         return forces, stress
 
     def _make_ready(self, speed: float, ahead: Sequence[float]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from .imported import ImportedWheelset
 from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .reduction import reduced_wheelset
+from .sensor_rows import SensorRow
 from .vehicle import Vehicle
 from .wheelset import Wheelset
 
@@ -98,12 +99,18 @@ def mass_of(wheelset: AnyWheelset) -> float:
 
 
 def reduce_wheelset(
-    wheelset: AnyWheelset, progress: Progress | None = None, vehicle: Vehicle | None = None
+    wheelset: AnyWheelset,
+    progress: Progress | None = None,
+    vehicle: Vehicle | None = None,
+    rows: Sequence[SensorRow] = (),
 ) -> ReducedWheelset:
-    """Reduced model of either kind, under a vehicle if there is one; from the cache if it takes long to build."""
+    """Reduced model of either kind, under a vehicle if there is one; from the cache if it takes long to build.
+
+    ``rows`` are what sensors read, of the kinds that this wheelset has.
+    """
     if isinstance(wheelset, ImportedWheelset):
-        return wheelset.reduced(vehicle)
-    return reduced_wheelset(wheelset, vehicle=vehicle, progress=progress)
+        return wheelset.reduced(vehicle, rows)
+    return reduced_wheelset(wheelset, vehicle=vehicle, rows=rows, progress=progress)
 
 
 def primary_suspension(wheelset: AnyWheelset) -> tuple[float, float]:
