@@ -65,7 +65,7 @@ def toy_wheelset() -> dict[str, Any]:
             "lift": LIFT.tolist(),
             "suspension": SUSPENSION.tolist(),
         },
-        "measuring_points": [{"name": "middle", "lift": MIDDLE.tolist()}],
+        "measuring_points": [{"name": "middle", "modal_lift": MIDDLE.tolist()}],
         "stress_nodes": nodes,
         "torque_places": [{"name": "gearbox", "y": 0.4}],
     }

@@ -11,6 +11,8 @@ from ..inputs.schema import check, quantity
 
 NAME = re.compile(r"[a-z](_?[a-z0-9])*")
 LONGEST_NAME = 60
+TRUE = "true"
+"""Last part of the topic of true values."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Acquisition:
     Without ``rate`` the sensor gives a sample at every step, and its true value if it has no ``range`` either.
     """
 
-    rate: float | None = quantity("Hz", 10.0, 1e6, "the sampling rate", default=None)
+    rate: float | None = quantity("Hz", 100.0, 1e6, "the sampling rate", default=None)
     """Samples a second at whole multiples of its inverse since step 0, through a low pass of half of it."""
     seed: int = quantity("", 0, 2**31 - 1, "the seed of the noise", default=0)
     true_value: bool = False
@@ -42,8 +44,8 @@ class Acquisition:
 
 def check_name(name: str) -> None:
     """Raise InputError for a name that cannot be part of a topic."""
-    if not NAME.fullmatch(name) or len(name) > LONGEST_NAME:
+    if not NAME.fullmatch(name) or len(name) > LONGEST_NAME or name == TRUE:
         raise InputError(
             f"name = {name!r} cannot name a topic: give at most {LONGEST_NAME} lower-case letters, digits and single "
-            "underscores between them, a letter first"
+            f"underscores between them, a letter first, and not {TRUE}"
         )

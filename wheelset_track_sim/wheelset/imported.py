@@ -81,8 +81,8 @@ class MeasuringPoint:
     """A node of the model whose vertical motion a sensor can measure."""
 
     name: str
-    lift: Numbers
-    """(P,) of the modes there, positive upwards, normalised as ``modes.lift``."""
+    modal_lift: Numbers
+    """(P,) lift of the modes there, positive upwards, normalised as ``modes.lift``."""
     position: Numbers = ()
     """x, y, z from the middle of the axle, m; for people."""
 
@@ -148,7 +148,7 @@ class ImportedWheelset:
             _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
             _shape(f"stress_nodes.{node.name}.own_weight", node.own_weight, 6, optional=True)
         for point in self.measuring_points:
-            _shape(f"measuring_points.{point.name}.lift", point.lift, found)
+            _shape(f"measuring_points.{point.name}.modal_lift", point.modal_lift, found)
             _shape(f"measuring_points.{point.name}.position", point.position, 3, optional=True)
         names = [point.name for point in self.measuring_points]
         if len({*names}) < len(names):
@@ -248,7 +248,7 @@ class ImportedWheelset:
     def _point_weights(self, sensors: Sequence[SensorRow], norm: Real) -> Real:
         """Weights (S, 3, P) on the modes of the rows of measuring points, as in ``sensor_rows``."""
         weights = np.zeros((len(sensors), 3, len(norm)))
-        lifts = {point.name: point.lift for point in self.measuring_points}
+        lifts = {point.name: point.modal_lift for point in self.measuring_points}
         for row, weight in zip(sensors, weights, strict=True):
             if isinstance(row, NamedMotion):
                 weight[row.order] = np.array(lifts[row.name]) / norm[:, 0]

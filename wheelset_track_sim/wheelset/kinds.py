@@ -23,7 +23,7 @@ from .wheelset import Wheelset
 AnyWheelset = Wheelset | ImportedWheelset
 TABLES = ("poles", "lift", "suspension", "modal", "static", "static_lift")
 """Arrays of imported wheelsets that a file may hold as text, a row a line."""
-LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position", "own_weight")
+LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position", "own_weight", "modal_lift")
 """The same without rows."""
 
 
