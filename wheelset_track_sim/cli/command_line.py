@@ -17,6 +17,7 @@ from ..runtime.memory import keep_freed_memory
 from ..runtime.output_files import require_folder
 from ..version import __version__
 from .ending import FAILED, complain, status_of
+from .spectrum import add_arguments, run_spectrum
 from .warned import printed_warnings
 
 if TYPE_CHECKING:
@@ -47,6 +48,11 @@ USES = {
     "info": ["run.mcap", "run.mcap --json"],
     "compare": ["run.mcap wayside.csv", "run.mcap wayside.csv --unit kN --offset 'wheel_1=10 t'"],
     "stress": ["wayside.csv --wheelset trailer", "wayside.csv --speed 25 --nodes A1,B1 --out stress.csv"],
+    "spectrum": [
+        "run.mcap --signal wheel_1",
+        "run.mcap --signal axle_box_acceleration/wheel_1 --third-octave",
+        "run.mcap --signal A1_yy --orders --start 1 --json",
+    ],
     "cache": ["", "--clear", "--clear kernels"],
     "demo": ["", "--out demo"],
     "get": ["", "speed wheel_1.damage.h", "--node /train/w1 axle_load"],
@@ -149,6 +155,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_info(commands)
     _add_compare(commands)
     _add_stress(commands)
+    _add_spectrum(commands)
     _add_cache(commands)
     _add_demo(commands)
     return parser
@@ -610,6 +617,14 @@ def _add_stress(commands: _Commands) -> None:
     stress.add_argument("--out", type=Path, metavar="FILE", help="write stresses as .csv, or all as .mcap")
     _takes_json(stress)
     stress.set_defaults(command=_stress)
+
+
+def _add_spectrum(commands: _Commands) -> None:
+    spectrum = _command(commands, "spectrum", "frequencies, bands or orders of a signal in a bag")
+    _takes_bag(spectrum)
+    add_arguments(spectrum)
+    _takes_json(spectrum)
+    spectrum.set_defaults(command=run_spectrum)
 
 
 def _stress(options: argparse.Namespace) -> int:

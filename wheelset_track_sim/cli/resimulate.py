@@ -141,7 +141,7 @@ def verdict(found: Resimulation) -> list[str]:
                 since = f"from {settled.time:.3f} s on" if settled else "all along"
                 lines.append(f"Within 0.1 % of the static value {since}.")
     lines += [
-        f"Largest difference in {topic} {difference.channel}: {difference.largest:.3g} in SI at {difference.time:.4f} s."
+        f"Largest difference in {topic} {difference.channel}: {difference.largest:.3g} (SI) at {difference.time:.4f} s."
         for topic, difference in found.sensors.items()
         if difference is not None
     ]
