@@ -46,6 +46,10 @@ class SensorRecord:
     def __len__(self) -> int:
         return len(self.time)
 
+    def unit_of(self, channel: str) -> str:
+        """Unit of a channel, SI."""
+        return "rad" if channel == ANGLE else self.unit
+
 
 class SensorPart(NamedTuple):
     """One message of a sensor."""

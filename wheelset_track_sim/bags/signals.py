@@ -91,7 +91,7 @@ def _of_sensors_named(recording: Recording, name: str) -> tuple[Real, Signal] | 
     record = recording.sensors.get(topic)
     if record is None or channel not in record.values:
         return None
-    unit = "rad" if channel == "angle" else record.unit
+    unit = record.unit_of(channel)
     return record.number.astype(np.float64), Signal(name, unit, record.time, record.position, record.values[channel])
 
 
