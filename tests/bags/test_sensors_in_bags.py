@@ -75,13 +75,13 @@ def test_a_part_of_a_bag_has_the_samples_of_its_time(bag):
 
 def test_summaries_have_peak_and_rms(bag):
     _, messages = live()
-    (summary,) = (message.fields for message in messages if message.kind == "LoadSummary")
-    assert summary["sensors"] == [
+    (summary,) = (message.fields for message in messages if message.kind == "SensorSummary")
+    assert summary["names"] == [
         *("axle_box_acceleration/wheel_1", "axle_box_acceleration/wheel_2"),
         *("suspension_force/wheel_1", "suspension_force/wheel_2", "velocity/middle/value"),
     ]
-    assert summary["sensor_peak"][0] == 200.0
-    assert 90e3 < summary["sensor_rms"][2] < 110e3
+    assert summary["peak"][0] == 200.0
+    assert 90e3 < summary["rms"][2] < 110e3
 
 
 @pytest.mark.parametrize("changed", [False, True])

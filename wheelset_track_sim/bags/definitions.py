@@ -42,8 +42,6 @@ DEFAULTS: Mapping[str, Mapping[str, Default]] = {
         "turns": lambda _: 0,
         **dict.fromkeys(("wheel_1_turn_max_force", "wheel_2_turn_max_force"), UNKNOWN),
         **dict.fromkeys(("turn_max_principal", "stress_max", "stress_min", "stress_mean", "stress_rms"), NONE),
-        "sensors": lambda _: [],
-        **dict.fromkeys(("sensor_peak", "sensor_rms"), NONE),
         "max_principal_mean": lambda summary: np.full(len(summary.nodes), math.nan),
         "max_principal_rms": lambda summary: np.full(len(summary.nodes), math.nan),
     },

@@ -25,6 +25,8 @@ from .tread_damage import FIELDS
 
 FRAME = "track"
 NANOSECOND = 1e-9
+SENSORS = "sensor_summary"
+"""Topic of the scalars of all sensors."""
 CHUNK = ("header", "first_step", "time", "step_period", "speed", "position", "revision")
 """Fields that every chunk carries, and a state."""
 
@@ -108,7 +110,7 @@ def chunk_messages(
     channels: Sequence[str] = (),
     sensed: Sequence[SensorChunk] = (),
 ) -> list[Message]:
-    """Messages of one chunk: contact forces, one stress for each node, summary, what sensors give.
+    """Messages of one chunk: contact forces, one stress for each node, summary, what sensors give and its summary.
 
     ``start_ns`` is the time stamp of step 0, ns; ``summary`` is that of the block if it is known already, ``turn`` the
     last complete turn of the wheels, ``sensed`` what came of the sensors' ``channels`` meanwhile. The values are those
@@ -128,10 +130,14 @@ def chunk_messages(
     fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
     fields |= {"turns": turn.turns, "turn_max_principal": np.array(turn.principal or [math.nan] * len(block.nodes))}
     fields["wheel_1_turn_max_force"], fields["wheel_2_turn_max_force"] = turn.forces
-    sensor_peak, sensor_rms = peaks(channels, sensed)
-    fields |= {"sensors": [*channels], "sensor_peak": sensor_peak, "sensor_rms": sensor_rms}
     summary_message = Message("summary", "LoadSummary", stamp_ns, fields)
-    return [*sample_messages(block, start_ns), summary_message, *sensor_messages(sensed, start_ns)]
+    found = [*sample_messages(block, start_ns), summary_message, *sensor_messages(sensed, start_ns)]
+    if channels:
+        peak, rms = peaks(channels, sensed)
+        found.append(
+            Message(SENSORS, "SensorSummary", stamp_ns, {**chunk, "names": [*channels], "peak": peak, "rms": rms})
+        )
+    return found
 
 
 def sensor_messages(chunks: Iterable[SensorChunk], start_ns: int) -> list[Message]:

@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..bags.messages import Message, sample_messages, stress_topic
+from ..bags.messages import SENSORS, Message, sample_messages, stress_topic
 from ..bags.topics import DEPTH, LATCHED_TOPICS
 from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
@@ -41,6 +41,7 @@ class Outputs:
         kinds |= {"impacts": "WheelImpact", "state": "SimulationState"}
         kinds |= {stress_topic(name): "AxleStress" for name in stress_nodes}
         kinds |= {sensor.topic: sensor.kind for sensor in sensors}
+        kinds |= {SENSORS: "SensorSummary"} if sensors else {}
         for topic, kind in kinds.items():
             latched = topic in LATCHED_TOPICS
             quality = QoSProfile(
