@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from support.toy import toy_simulator
+from wheelset_track_sim import InputWarning
 from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.bag import Bag
 from wheelset_track_sim.bags.definitions import serialise
+from wheelset_track_sim.bags.exports import FORMS, export
+from wheelset_track_sim.bags.frames import columns_of
 from wheelset_track_sim.bags.sensor_records import sensor_parts
+from wheelset_track_sim.bags.signals import signal_names, signal_of
 from wheelset_track_sim.live.run_messages import RunMessages, record
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.twin import sensor_comparison
@@ -98,3 +102,40 @@ def test_a_second_run_is_compared_bit_by_bit(bag, changed):
     assert sorted(found) == TOPICS
     assert {topic for topic, each in found.items() if each} == ({"suspension_force"} if changed else set())
     assert not changed or found["suspension_force"].channel == "wheel_2"
+
+
+def test_netcdf_has_all_sensors_and_tables_those_of_each_step(bag, tmp_path):
+    pytest.importorskip("xarray")
+    recorded = read_bag(bag)
+    data = recorded.to_xarray()
+    assert data.suspension_force_wheel_1.dims == ("time",)
+    assert data.axle_box_acceleration_wheel_2.dims == ("time_of_axle_box_acceleration",)
+    assert data.axle_box_acceleration_wheel_2.attrs["units"] == "m/s^2"
+    columns, units = columns_of(recorded)
+    assert (columns["suspension_force_wheel_2"] == recorded.sensors["suspension_force"].values["wheel_2"]).all()
+    assert units["axle_box_acceleration_true_wheel_1"] == "m/s^2"
+    assert "axle_box_acceleration_wheel_1" not in columns
+    with pytest.warns(InputWarning, match="axle_box_acceleration, velocity/middle with a sampling rate of their own"):
+        export(recorded, tmp_path / "run.csv", FORMS[".csv"])
+
+
+def test_signals_are_found_by_name(bag):
+    recorded = read_bag(bag)
+    assert {"wheel_1", "A1_yy", "suspension_force/wheel_2", "velocity/middle/value"} <= {*signal_names(recorded)}
+    signal = signal_of(recorded, "velocity/middle/value")
+    values, rate = signal.evenly()
+    assert rate == pytest.approx(2000.0)
+    assert values is signal.values
+
+
+def test_the_report_has_a_section(bag):
+    pytest.importorskip("bokeh")
+    from wheelset_track_sim.report import sensors, survey
+
+    run = survey(bag)
+    assert [each.topic for each in run.sensors] == TOPICS
+    assert run.sensors[0].peak["wheel_1"] == 200.0
+    page = sensors.section(run.sensors, "PLOT")
+    assert "<td>axle_box_acceleration wheel_1</td>" in page
+    assert "200 m/s²" in page
+    assert sensors.sensor_plots(run.sensors, run.peak.time).children
