@@ -24,21 +24,6 @@ class _Spectrum(NamedTuple):
     """Rows of the table for people."""
 
 
-def add_arguments(spectrum: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command, but for the bag and ``--json``."""
-    spectrum.add_argument(
-        "--signal", required=True, metavar="NAME", help="such as wheel_1, A1_yy or strain/left/strain"
-    )
-    kind = spectrum.add_mutually_exclusive_group()
-    kind.add_argument("--third-octave", action="store_true", help="levels in one-third-octave bands")
-    kind.add_argument("--orders", action="store_true", help="waves around the wheel")
-    kind.add_argument("--average", action="store_true", help="mean over turns of the wheel, by its angle")
-    spectrum.add_argument("--resolution", type=float, metavar="HZ", help="distance of frequencies at most")
-    spectrum.add_argument("--start", type=float, metavar="S", help="simulated time from which on, s")
-    spectrum.add_argument("--stop", type=float, metavar="S", help="simulated time up to which, s")
-    spectrum.add_argument("--out", type=Path, metavar="FILE", help="write all rows as .csv")
-
-
 def run_spectrum(options: argparse.Namespace) -> int:
     """Print a spectrum of a signal of a bag; returns the exit status."""
     from ..bags import read_bag
