@@ -199,7 +199,7 @@ def read_bag(
         forces=np.concatenate([block.forces for block in found])[part],
         stresses=np.concatenate([block.stresses for block in found])[part],
         nodes=found[0].nodes,
-        sensors=sensor_records(bag.reader, float(time[part][0]), float(time[part][-1] + step_period[part][-1])),
+        sensors=sensor_records(bag.reader, window, float(time[part][0]), float(time[part][-1] + step_period[part][-1])),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..runtime.arrays import Real
 from .bag_reader import BagReader
 from .content import ContentError, checked_span
+from .window import EVERYTHING, RunWindow
 
 CHANNELS: Mapping[str, tuple[str, ...]] = {
     "AxleBoxAcceleration": ("wheel_1", "wheel_2"),
@@ -24,6 +25,8 @@ CHANNELS: Mapping[str, tuple[str, ...]] = {
 UNITS = {"AxleBoxAcceleration": "m/s^2", "SuspensionForce": "N", "Strain": ""}
 OF_QUANTITY = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 ANGLE = "angle"
+LATE = 1.0
+"""Time by which messages of one sensor may come after those of another one, s: filters hold 26 samples back."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,25 +72,34 @@ class SensorPart(NamedTuple):
         return self.first_sample + len(next(iter(self.values.values())))
 
 
-def sensor_parts(reader: BagReader) -> Iterable[SensorPart]:
-    """Messages of all sensors of a bag, in the order of its files; damage is reported as ``BagReader`` does."""
+def sensor_parts(reader: BagReader, window: RunWindow = EVERYTHING) -> Iterator[SensorPart]:
+    """Messages of all sensors of a bag in the order of its files, and of little more than a window.
+
+    Damage is reported as ``BagReader`` does.
+    """
     kinds = [kind for kind in CHANNELS if reader.topics(kind)]
     if not kinds:
         return
-    for found in reader.stored(kinds):
+    for found in reader.stored(kinds, window):
         topic = found.message.topic
         message = reader.decoded(found) if topic.kind in kinds else None
         if message is not None:
             relative = topic.name.removeprefix(f"{topic.prefix or ''}/")
             part = reader.made(found, partial(_part, topic.kind, relative, message))
             if part is not None:
+                if not reader.disordered and part.time > window.stop + LATE:
+                    return
                 yield part
 
 
-def sensor_records(reader: BagReader, first: float, end: float) -> dict[str, SensorRecord]:
-    """Samples of all sensors of a bag from the simulated time ``first`` to before ``end``, s, by topic."""
+def sensor_records(reader: BagReader, window: RunWindow, first: float, end: float) -> dict[str, SensorRecord]:
+    """Samples of all sensors of a bag from the simulated time ``first`` to before ``end``, s, by topic.
+
+    ``window`` is the part of the run that has these times.
+    """
     parts: dict[str, list[SensorPart]] = {}
-    for part in sensor_parts(reader):
+    read = window if window.whole else RunWindow(first, end, 0, None)
+    for part in sensor_parts(reader, read):
         parts.setdefault(part.topic, []).append(part)
     return {topic: _joined(each, first, end) for topic, each in sorted(parts.items())}
 

@@ -83,6 +83,8 @@ class Simulator:
     ) -> None:
         """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
+        if len(rows_of(scenario.sensors)) != self._models.dynamics.sensor_rows:
+            raise InputError("the models were built for other sensors: build them anew for this scenario")
         warn_of_limits(scenario, self._models.reduced)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
