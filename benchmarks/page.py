@@ -286,6 +286,7 @@ def more(r: Results) -> str:
             )
             for run in costs
         ),
+        ("acceleration at both axle boxes, share of the coupled step", _share(r.fact("test_two_axle_boxes", "share"))),
         *(
             (
                 f"resident memory of the {MEMORY[what]} over an hour, first minute left out",
@@ -299,6 +300,10 @@ def more(r: Results) -> str:
 
 def _in_real_time(run: dict[str, Any]) -> str:
     return f"{number(run['in_real_time'], 0)} wheelsets in real time"
+
+
+def _share(found: float | None) -> str:
+    return "–" if found is None else f"{100 * found:.1f} %"
 
 
 def _span(r: Results, name: str) -> str:
