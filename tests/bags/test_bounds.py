@@ -123,9 +123,9 @@ def test_a_single_file_has_no_bounds(tmp_path, run_info):
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("max_size", 1, r"^max_size = 1 bytes is out of range: give 1e\+06 bytes at least, or 0 for none$"),
-        ("max_duration", 0.5, "^max_duration = 0.5 s is out of range: give 1 s at least, or 0 for none$"),
-        ("max_total_size", 10**6, "^max_total_size = .* or 0 for none$"),
+        ("max_size", 1, r"^max_size = 1 bytes is out of range: give at least 1e\+06 bytes, or 0 for no limit$"),
+        ("max_duration", 0.5, "^max_duration = 0.5 s is out of range: give at least 1 s, or 0 for no limit$"),
+        ("max_total_size", 10**6, "^max_total_size = .* or 0 for no limit$"),
         ("max_size", -1, "^max_size = -1 bytes is out of range: give the size .* from 0 to"),
         ("max_duration", float("nan"), "^max_duration = nan is not finite"),
         ("mode", "snapshots", "^mode = 'snapshots' is not a known mode: did you mean snapshot"),

@@ -66,9 +66,9 @@ def test_a_stretch_of_rail_rises_and_falls_and_leaves_the_rest_smooth():
         ({"length": np.nan}, "length = nan"),
         ({"level": 80.0}, "level = 80"),
         ({"shortest": 0.03, "longest": 0.02}, "longest = 0.02 m is less than shortest = 0.03 m"),
-        ({"on": "wheel_1", "length": 3.0}, "start and length are of rails"),
-        ({"on": "wheel_1", "start": 3.0}, "start and length are of rails"),
-        ({"start": 3.0}, r"start = 3 m is that of a stretch without a length: give its length"),
+        ({"on": "wheel_1", "length": 3.0}, "start and length apply to rails only"),
+        ({"on": "wheel_1", "start": 3.0}, "start and length apply to rails only"),
+        ({"start": 3.0}, r"start = 3 m needs a length: give the length"),
         ({"length": 3.0, "ramp": 2.0}, "ramp = 2 m at both ends is more than length = 3 m"),
         ({"spectrum": ((0.1, 3.0),)}, "spectrum has one entry"),
         ({"spectrum": ((0.1, 3.0), (-1.0, 2.0))}, r"spectrum\.1\.0 = -1 m is out of range"),
@@ -102,9 +102,9 @@ def test_a_file_of_any_form_and_unit_is_the_spectrum(tmp_path_factory, form, uni
     ("text", "words"),
     [
         ("wavelength,level\n0.1,3\n0.01,4\n", "'wavelength' has no unit"),
-        ("wavelength [m],level [um]\n0.1,3\n0.01,4\n", r"unit of 'level \[um\]' is no level: give dB"),
+        ("wavelength [m],level [um]\n0.1,3\n0.01,4\n", r"unit of 'level \[um\]' is not a unit of level: give dB"),
         ("wavelength [m],a,b\n0.1,3,1\n0.01,4,1\n", r"has wavelength \[m\], a, b: name the columns wavelength"),
-        ("wavelength [deg],level\n0.1,3\n0.01,4\n", "is no length"),
+        ("wavelength [deg],level\n0.1,3\n0.01,4\n", "is not a unit of length"),
         ("wavelength [km],level\n0.1,3\n0.01,4\n", r"spectrum\.0\.0 = 100 m is out of range"),
     ],
 )
@@ -156,6 +156,6 @@ def test_what_is_missing_is_warned_of(spectrum, missing):
 
 def test_levels_of_no_surface_are_warned_of():
     with pytest.warns(
-        InputWarning, match=r"spectrum has 40 dB re 1 um at a wavelength of 0\.005 m, which is 0\.02 of it"
+        InputWarning, match=r"spectrum has 40 dB re 1 um at a wavelength of 0\.005 m, which is 0\.02 of the wavelength"
     ):
         Roughness("rail_1", spectrum=((0.5, 40.0), (0.005, 40.0)))

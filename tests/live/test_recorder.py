@@ -45,7 +45,7 @@ LEADING_OUT = [
 def test_names_that_lead_out_are_refused(folder, name):
     (folder / "link").symlink_to(folder.parent / "secret")
     (folder / "loop").symlink_to("loop")
-    with pytest.raises(InputError, match=f"^name = .* leads out of {folder}"):
+    with pytest.raises(InputError, match=f"^name = .* points outside {folder}"):
         path_below(str(folder), name)
 
 
@@ -113,7 +113,7 @@ def test_one_bag_at_a_time(recorder, tmp_path, run_blocks):
         begin(recorder, tmp_path / "run")
     assert recorder.path == ""
     assert recording_status(recorder.figures).level == Level.ERROR
-    assert recording_status(recorder.figures).message.startswith(f"not begun: {tmp_path / 'run'} exists already")
+    assert recording_status(recorder.figures).message.startswith(f"not started: {tmp_path / 'run'} exists already")
     begin(recorder, tmp_path / "other")
     assert (recording_status(recorder.figures).level, recording_status(recorder.figures).message) == (
         Level.OK,

@@ -214,7 +214,7 @@ def test_a_bag_that_cannot_be_written_any_more_is_an_error(start, client, diagno
     assert diagnostics.until("recording", lambda status: status.message == f"to {tmp_path / 'full'}").level == OK
     written = sum(file.stat().st_size for file in (tmp_path / "full").iterdir())
     resource.prlimit(node.process.pid, resource.RLIMIT_FSIZE, (written + 100_000, resource.RLIM_INFINITY))
-    assert "ended before its time" in diagnostics.until("recording", level(ERROR)).message
+    assert "ended early" in diagnostics.until("recording", level(ERROR)).message
     seen = len(forces)
     client.until(lambda: len(forces) > seen + 3)  # the stream is worth more than the bag
 

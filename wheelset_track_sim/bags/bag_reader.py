@@ -35,7 +35,7 @@ DAMAGE = (*UNREADABLE, SerdeError, TypesysError, ArithmeticError, TypeError, Att
 FORCES, STRESS = "ContactForces", "AxleStress"
 SAMPLES = (FORCES, STRESS)
 LONGEST_REASON = 300
-"""Characters of a library's message that are told."""
+"""Characters of a library's message that are shown."""
 SAME_START = 1000
 """Difference in the time of step 0, ns, within one run: rounding."""
 Lost = Callable[[Loss], object]
@@ -316,8 +316,8 @@ class BagReader:
     def _require_one(self, runs: Sequence[str]) -> None:
         if len(runs) > 1:
             raise RecordingError(
-                f"{self.path} holds {len(runs)} runs ({', '.join(runs)}): record each into a bag of its own, or take "
-                "one out by its topics with ros2 bag convert"
+                f"{self.path} holds {len(runs)} runs ({', '.join(runs)}): record each run into a bag of its own, or "
+                "extract one out by its topics with ros2 bag convert"
             )
 
     def _damaged(self, file: Path, damage: Damage) -> None:

@@ -189,7 +189,7 @@ class BagWriter(Writer):
 
     def snapshot(self) -> Path:
         """Raise InputError: the bag holds everything."""
-        raise InputError(f"{self.path} holds everything: record in snapshot mode to take snapshots")
+        raise InputError(f"{self.path} records continuously: set record.mode to snapshot to take snapshots")
 
     def sync(self) -> None:
         """Wait until everything at the operating system is on the disk; RecordingError if the disk refuses."""

@@ -1,4 +1,4 @@
-"""The command line: one module for each command."""
+"""The command line: a module for each command, and one for its arguments in ``parsers``."""
 
 import sys
 from collections.abc import Sequence

@@ -19,6 +19,11 @@ class DynamicsModel(Protocol):
         ...
 
     @property
+    def sensor_rows(self) -> int:
+        """Rows of sensors that are stepped."""
+        ...
+
+    @property
     def changes_speed(self) -> bool:
         """Whether the speed may change during a run."""
         ...

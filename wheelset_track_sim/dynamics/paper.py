@@ -61,6 +61,7 @@ class PaperModel:
     progress: Progress | None = None
     bays: int = BAYS
     """Bays over which the rail's response is followed."""
+    sensor_rows: ClassVar[int] = 0
     changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
 
@@ -95,7 +96,7 @@ class PaperModel:
 
     def at_speed(self, dynamics: Paper, step: int, dx: float, speed: float, behind: float) -> Paper:
         """Raises ValueError: a moving Green's function is that of one speed."""
-        raise ValueError(f"moving Green's functions at {behind:g} m/s do not serve at {speed:g} m/s")
+        raise ValueError(f"moving Green's functions at {behind:g} m/s cannot be used at {speed:g} m/s")
 
     def copied(self, dynamics: Paper) -> Paper:
         """Dynamics with the same past that go on by themselves."""

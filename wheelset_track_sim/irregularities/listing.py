@@ -20,7 +20,7 @@ def listed(text: str, located: Callable[[str], str]) -> tuple[Irregularity, ...]
     """
     size = len(text.encode(errors="surrogatepass"))
     if size > LONGEST:
-        raise InputError(f"irregularities have {size} bytes: give at most {LONGEST}, and longer tables as files")
+        raise InputError(f"irregularities have {size} bytes: give at most {LONGEST}, and put longer tables into files")
     data = parse(text, "irregularities", trusted=False) or []
     if not isinstance(data, list):
         raise InputError(f"irregularities are a {type(data).__name__}: give a list, as in a scenario file")

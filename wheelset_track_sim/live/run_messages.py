@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from ..bags.messages import Message, State, chunk_messages, impact_message, state_message
+from ..bags.messages import Message, State, chunk_messages, impact_message, sensor_messages, state_message
 from ..bags.run_info import Input, RunInfo
 from ..bags.settings import RecordSettings
 from ..bags.snapshots import writer_of
@@ -20,6 +20,7 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, summarise
 from ..samples.turns import TurnPeaks, TurnWatch
+from ..sensors.reading import SensorReaders
 from ..simulation.simulator import Simulator
 from .stream import Timing
 
@@ -71,6 +72,8 @@ class RunMessages:
         self.state_due = False
         """Whether the next block repeats the state though nothing has changed, as in a new file."""
         self._turns = TurnWatch(simulator.steps_per_revolution)
+        wheel = simulator.steps_per_revolution, simulator.models.tread_origin
+        self._sensors = SensorReaders(simulator.scenario.sensors, *wheel)
 
     def state(self, *, status: int = RUNNING, message: str = "", recording: str = "") -> Message:
         """The state from the next step on."""
@@ -85,12 +88,20 @@ class RunMessages:
         impacts = self.detector.push(block, self.told.axle_load / 2, summary)
         turns = tuple(self._turns.push(block, summary))
         events = Events(impacts, self._turns.last, turns)
-        chunk = chunk_messages(block, self.start_ns, summary=summary, turn=events.turn, **vars(timing))
+        chunk = chunk_messages(
+            block,
+            self.start_ns,
+            summary=summary,
+            turn=events.turn,
+            channels=self._sensors.channels,
+            sensed=self._sensors.push(block),
+            **vars(timing),
+        )
         return BlockMessages(states, [*chunk, *self._impacts(impacts)], events)
 
     def finish(self) -> list[Message]:
-        """Impacts that have not ended at the end of the run, as far as they go."""
-        return self._impacts(self.detector.finish())
+        """Impacts that have not ended at the end of the run, as far as they go, and the last samples of sensors."""
+        return [*sensor_messages(self._sensors.finish(), self.start_ns), *self._impacts(self.detector.finish())]
 
     def _states(self, block: SampleBlock, timing: Timing, recording: str) -> list[Message]:
         told, set_point = self.told, self.simulator.course.at(block.first_step).set_point

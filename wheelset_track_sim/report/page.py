@@ -14,14 +14,14 @@ from bokeh.resources import Resources
 from ..errors import ContactError, InputError
 from ..scenario import Scenario
 from ..twin.measured import Comparison
-from . import measured, plots, sections
+from . import measured, plots, sections, sensors
 from .contact_map import ContactMap, contact_map
 from .files import STYLE, asset, write_whole
 from .survey import Survey
 from .table import description, title
 
 SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'; img-src data:"
-"""The browser itself sees to it that the page asks no one for anything."""
+"""The browser itself prevents all requests of the page."""
 
 
 def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -> Path:
@@ -63,12 +63,14 @@ def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
     yield sections.peaks(run)
     yield sections.over_time(run, _plot(plots.time_plots(run), "time-plots"))
     yield sections.impacts(run)
+    if run.sensors:
+        yield sensors.section(run.sensors, _plot(sensors.sensor_plots(run.sensors, run.peak.time), "sensor-plots"))
     if comparison:
         yield measured.section(comparison, _plot(measured.measured_plots(comparison), "measured-plots"))
     scenario = run.scenario_in_force(run.peak.revision)
     found = _contact(run, scenario) if scenario else None
     if found:
-        yield sections.pressure(run, found, _plot(plots.pressure_plot(found), "pressure-plot", "map"))
+        yield sections.pressure(run, found, _plot(plots.pressure_plot(run, found), "pressure-plot", "map"))
     if run.spectrum:
         marks = sections.known_frequencies(run, run.spectrum)
         yield sections.spectra(run.spectrum, _plot(plots.spectrum_plots(run, run.spectrum, marks), "spectrum-plots"))

@@ -1,4 +1,4 @@
-"""What the node tells monitoring stacks: ``/diagnostics``, impacts, metrics."""
+"""Outputs of the node for monitoring stacks: ``/diagnostics``, impacts, metrics."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .conversions import diagnostics
 from .parameters import Parameters, Watching
 
 PERIOD = 1.0
-"""Wall time from report to report, s; what gets worse is told at once."""
+"""Wall time from report to report, s; changes for the worse are reported at once."""
 
 
 class Monitoring:
@@ -76,12 +76,12 @@ class Monitoring:
             self._monitor.wanted = real_time_factor
 
     def run(self) -> None:
-        """The run goes on."""
+        """The run continues."""
         self._pause = ""
         self._tell("running")
 
     def pause(self, why: str) -> None:
-        """The run stands, until ``run``."""
+        """The run is paused, until ``run``."""
         self._pause = why
         self._tell(why)
 

@@ -25,6 +25,7 @@ from ..scenario import Scenario
 from ..scenario.values import values_of
 from ..simulation.changes import Revision
 from ..simulation.fleet import ModelPool
+from ..simulation.models import compile_for_changes
 from ..simulation.simulator import Simulator
 from .answers import answer_always
 from .clock import NodeClock
@@ -41,7 +42,7 @@ SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FA
 
 
 class Interrupted(WheelsetTrackError):  # noqa: N818  no error: it was told to
-    """The node was told to end while it built its models."""
+    """A signal ended the node while it built its models."""
 
 
 class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
@@ -99,7 +100,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         return self.recorder.lost
 
     def autostart(self) -> None:
-        """Configure and activate; what stands in the way ends the node."""
+        """Configure and activate; a failure ends the node."""
         try:
             started = self.trigger_configure() == SUCCESS and self.trigger_activate() == SUCCESS
         except Exception as failure:  # noqa: BLE001  another has sent the node through its states meanwhile
@@ -162,7 +163,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             if result.successful:
                 result.reason = self._accepted
             else:
-                self.get_logger().warning(f"parameters are refused: {result.reason}")
+                self.get_logger().warning(f"parameters are rejected: {result.reason}")
             return result
 
     def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
@@ -210,7 +211,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self._transition.release()
 
     def _renew(self) -> None:
-        """Another run instead of the one at hand, which goes on if that one did."""
+        """Replace the run by a new one, which continues if the old one was running."""
         before = self.needed_run()
         simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
         simulator.settle()
@@ -242,7 +243,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         return ""
 
     def _guarded(self, step: Callable[[Any], None], previous: LifecycleState) -> TransitionCallbackReturn:
-        """One transition: an error of ours is told in one line and fails it, any other is logged with its traceback."""
+        """Run one transition: an expected error is logged in one line and fails it, any other with its traceback."""
         self._refusal = None
         with self._transition:
             try:
@@ -278,7 +279,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
             bag = path_below(folder, name, LONGEST_OF_FILE) if name else self.recorder.path_now(folder)
         try:
-            self._outputs.create(simulator.scenario.output.stress_nodes)
+            self._outputs.create(simulator.scenario.output.stress_nodes, simulator.scenario.sensors)
             LifecycleNodeMixin.on_configure(self, previous)
             self._begin(simulator, bag)
         except Exception:
@@ -287,8 +288,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.needed_run().stand("configured, not active")
 
     def _begin(self, simulator: Simulator, bag: Path | None) -> None:
-        """A run that stands at step 0; ``bag`` is to be opened when it goes on."""
+        """A run that is paused at step 0; ``bag`` is opened when it continues."""
         self.revisions.attach(simulator)
+        compile_for_changes(simulator.scenario)
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact
@@ -352,7 +354,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring.end()
 
     def _now_ns(self) -> int:
-        """Time stamp of a run that begins now: the clock's, but behind all stamps of the run before."""
+        """Time stamp of a run that begins now: the clock's, but after all stamps of the run before."""
         if self.run is not None:
             self._earliest_ns = max(self._earliest_ns, self.run.end_ns if self.run.next_step else 0)
         return max(self._earliest_ns, self._time.now_ns())
@@ -402,4 +404,6 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         following = changes.get("use_sim_time", self._time.following)
         self.parameters.check_clock(following)
         if following != self._time.following and self.run is not None and self.run.next_step > 0:
-            raise InputError("use_sim_time cannot change while there is a run, whose stamps go on: clean up first")
+            raise InputError(
+                "use_sim_time cannot change during a run, whose time stamps must continue: clean up the node first"
+            )

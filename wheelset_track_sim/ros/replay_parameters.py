@@ -19,14 +19,14 @@ START_UP = {
     "bag": ("", "Bag folder or .mcap file"),
     "stamps": (
         "original",
-        "Stamps of the messages: original, or now, which begin at the clock and go on with the replay",
+        "Stamps of the messages: original, or now, which start at the current time",
     ),
     "prefix": (
         "",
         "Name of the node that topics get instead of the recorded one; ~ is this node's, empty: as recorded",
     ),
-    "publish_clock": (False, "Tell the time of the replay on /clock, for nodes with use_sim_time"),
-    "start_paused": (False, "Wait to be told to go on"),
+    "publish_clock": (False, "Publish the time of the replay on /clock, for nodes with use_sim_time"),
+    "start_paused": (False, "Wait until the service resume is called"),
 }
 STAMPS = ("original", "now")
 POSITION = dataclasses.replace(quantity_of(Playback, "start_offset"), meaning="the time in the bag, set to seek there")
@@ -55,7 +55,7 @@ class ReplayParameters:
             raise InputError(f"stamps = {self['stamps']} is not known: give one of {', '.join(STAMPS)}")
         if self["use_sim_time"] and self["publish_clock"]:
             raise InputError(
-                "use_sim_time = true is refused while publish_clock is true: "
+                "use_sim_time and publish_clock cannot both be true: "
                 "a node cannot follow the clock that it publishes, set one of them to false"
             )
 
@@ -79,7 +79,7 @@ class ReplayParameters:
         before = {other.prefix for other in recorded if other.prefix is not None}
         if len(before) > 1:
             raise InputError(
-                f"prefix = {wanted} stands for one node, but the bag has {', '.join(sorted(before))}: "
+                f"prefix = {wanted} replaces the name of one node, but the bag has {', '.join(sorted(before))}: "
                 "rename topics by --ros-args -r FROM:=TO"
             )
         inside = [name for name in before if topic.name.startswith(f"{name}/")]

@@ -15,7 +15,7 @@ SETTLED = 0.5
 
 @dataclass(frozen=True)
 class Start:
-    """How long a replay stands before its first message; times are of the wall."""
+    """How long a replay stands before its first message; in real time."""
 
     delay: float = quantity("s", 0.0, 1e6, "the time that passes before the replay begins", default=0.0)
     wait: float = quantity("s", 0.0, 1e6, "the longest time to wait for a subscription, 0 for not at all", default=2.0)

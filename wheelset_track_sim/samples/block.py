@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..runtime.arrays import Real
@@ -18,17 +20,20 @@ class ContactCounts:
     filtered_steps: int = 0
     """Filtered (``contact.ordered.hinge_kernels``)."""
     largest_estimate: float = 0.0
-    """Largest estimate of the error of a filtered force, N."""
+    """Largest estimate of the error of a filtered force, N; NaN if it is not known how contacts were found."""
 
     def __add__(self, other: ContactCounts) -> ContactCounts:
+        estimates = self.largest_estimate, other.largest_estimate
         return ContactCounts(
             self.solved_steps + other.solved_steps,
             self.filtered_steps + other.filtered_steps,
-            max(self.largest_estimate, other.largest_estimate),
+            math.nan if any(map(math.isnan, estimates)) else max(estimates),
         )
 
 
 NO_CONTACTS = ContactCounts()
+UNCOUNTED = ContactCounts(largest_estimate=math.nan)
+"""Of samples that were recorded without counts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +72,8 @@ class SampleBlock:
     """Steps from sample to sample."""
     contacts: ContactCounts = NO_CONTACTS
     """How contacts were found; of a simulation alone."""
+    sensors: Mapping[str, Real] = field(default_factory=dict)
+    """True values at the sensors of the scenario, by topic: (samples, channels) in SI units; of a simulation alone."""
 
     def __post_init__(self) -> None:
         self.forces.flags.writeable = False

@@ -1,7 +1,7 @@
 """What is simulated: read whole, typed and checked when it is loaded."""
 
 from .contact import ContactOptions
-from .loading import assign, change_of, load_scenario, override, scenario_from, suspect, take_in
+from .loading import assign, change_of, find_beside, load_scenario, override, scenario_from, suspect, take_in
 from .loads import Loads
 from .profiles import Profiles
 from .scenario import WHEELS, Output, Scenario, SetPoint
@@ -16,6 +16,7 @@ __all__ = [
     "SetPoint",
     "assign",
     "change_of",
+    "find_beside",
     "load_scenario",
     "override",
     "scenario_from",

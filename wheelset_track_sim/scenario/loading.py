@@ -51,7 +51,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     if not isinstance(data, dict):
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
     if Path(name_or_path).is_file():
-        _find_beside(data, Path(name_or_path).parent)
+        _find_all_beside(data, Path(name_or_path).parent)
     for change in overrides:
         override(data, change)
     take_in(data)
@@ -120,7 +120,7 @@ def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
         raise InputError(f"{where}{key}: {'.'.join(path)} has no entries")
 
 
-def _find_beside(data: dict[str, Any], folder: Path) -> None:
+def _find_all_beside(data: dict[str, Any], folder: Path) -> None:
     """Give the files that a scenario names, and that are beside it, by their path from here."""
     places: list[tuple[Any, str]] = [*((data, model) for model in MODELS), (data.get("track"), "base")]
     profiles, irregularities = data.get("profiles"), data.get("irregularities")
@@ -128,9 +128,15 @@ def _find_beside(data: dict[str, Any], folder: Path) -> None:
         places += [(profiles, surface), (profile, "file")]
     places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
     for place, key in places:
-        name = place.get(key) if isinstance(place, dict) else None
-        if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
-            place[key] = str(folder / name)
+        if isinstance(place, dict):
+            find_beside(place, key, folder)
+
+
+def find_beside(place: dict[str, Any], key: str, folder: Path) -> None:
+    """Give the file that ``key`` names by its path from here, if it is in ``folder``."""
+    name = place.get(key)
+    if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
+        place[key] = str(folder / name)
 
 
 def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
@@ -152,7 +158,7 @@ def _entry(place: Any, part: str, where: str) -> Any:
         return place[_index(place, part, where)]
     if isinstance(place, dict):
         return place.setdefault(part, {})
-    raise InputError(f"{where}: there is nothing to set there")
+    raise InputError(f"{where} is a single value: give the key of a list or mapping")
 
 
 def _index(place: list[Any], part: str, where: str) -> int:

@@ -19,6 +19,7 @@ from ..irregularities import Irregularity, line_steps, plain_irregularities, rea
 from ..irregularities.kinds import check_number
 from ..irregularities.surface import LONGEST_LINE, Surface, check_length
 from ..runtime.cache import digest
+from ..sensors.kinds import Sensor, check_sensors
 from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
@@ -52,7 +53,7 @@ class Output:
     def __post_init__(self) -> None:
         twice = [name for name in self.stress_nodes if self.stress_nodes.count(name) > 1]
         if twice:
-            raise InputError(f"output.stress_nodes names {twice[0]} twice: give each once, a topic of its own")
+            raise InputError(f"output.stress_nodes names {twice[0]} twice: give each stress node once")
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ class Scenario:
     track: Track = parsed(read_track, plain_track, default_factory=partial(load_track, TRACK))
     """In files: the name of a shipped track, the path of a file, or a mapping."""
     vehicle: Vehicle | None = parsed(read_vehicle, plain_vehicle, default=None)
-    """What stands on the primary suspension; None holds its upper ends. In files like ``track``."""
+    """Bogie frame and car body above the primary suspension; None holds its upper ends. In files like ``track``."""
     irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
     line_length: float | None = quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat", default=None)
@@ -112,6 +113,8 @@ class Scenario:
     contact: ContactOptions = field(default_factory=ContactOptions)
     """Linear elastic by default."""
     output: Output = field(default_factory=Output)
+    sensors: tuple[Sensor, ...] = ()
+    """What is measured on the wheelset beside the contact forces and stresses."""
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
     )
@@ -146,11 +149,15 @@ class Scenario:
             raise InputError("name is empty: give the scenario a name")
         known = LAG_ZERO[self.dynamics]
         if self.lag_zero not in ("default", *known):
-            raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
+            raise InputError(
+                f"lag_zero = {self.lag_zero} does not apply to {self.dynamics} dynamics: give {', '.join(known)}"
+            )
         self._check_speeds()
         self._check_vehicle()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
         self.loads.check_weight(self.wheelset, self.axle_load)
+        slowest = min(self.speed, *(point.speed for point in self.speed_plan), math.inf) / self.step_length
+        check_sensors(self.sensors, self.wheelset, self.dynamics, slowest)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)
@@ -228,10 +235,10 @@ class Scenario:
         if self.vehicle is None:
             return
         if not isinstance(self.vehicle, Vehicle):
-            raise InputError(f"vehicle = {self.vehicle!r} is a name, or plain data: give load_vehicle(vehicle)")
+            raise InputError(f"vehicle = {self.vehicle!r} is not a Vehicle: give load_vehicle(vehicle)")
         if self.vehicle.body_mass is not None and self.dynamics == "paper":
             raise InputError(
-                "vehicle.body_mass moves more slowly than the Green's functions of paper dynamics last: leave it out, "
+                "vehicle.body_mass moves too slowly for the Green's functions of paper dynamics: leave it out, "
                 "or use causal"
             )
         primary_suspension(self.wheelset)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 from functools import partial
@@ -10,12 +11,13 @@ from typing import cast
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw
-from ..contact.solutions import ContactPatch, approach_for_force
+from ..contact.solutions import ContactPatch
 from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario import Scenario
+from ..sensors.kinds import rows_of
 from ..wheelset.around import Around
 from ..wheelset.reduced import COMPONENTS
 from .changes import Applied, Changes, Condition, Revision
@@ -23,6 +25,7 @@ from .coupled import AHEAD, Coupled
 from .instants import Contact
 from .limits import warn_of_limits
 from .models import Models, load_models
+from .passage import passage
 from .preload import Loading
 from .settling import SETTLING, Settled, Settling, settle
 from .speed import Course, Stretch
@@ -80,6 +83,8 @@ class Simulator:
     ) -> None:
         """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
+        if len(rows_of(scenario.sensors)) != self._models.dynamics.sensor_rows:
+            raise InputError("the models were built for other sensors: build them anew for this scenario")
         warn_of_limits(scenario, self._models.reduced)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
@@ -87,14 +92,9 @@ class Simulator:
         self._smooth = self._models.contact_law(())
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
         begun = scenario.settles_on_surfaces
-        revision, preload, origin = (
-            Revision(0, self._start.step),
-            self._preload_for(scenario),
-            self._models.tread_origin,
-        )
-        first = Condition(
-            revision, scenario, law if begun else self._smooth, preload, self._start.step, self._models.tread_origin
-        )
+        revision, origin = Revision(0, self._start.step), self._models.tread_origin
+        preload = self._models.preload(scenario.wheel_load, scenario.speed)
+        first = Condition(revision, scenario, law if begun else self._smooth, preload, self._start.step, origin)
         self._coupled: Coupled | None = None
         self._loading = Loading(preload)
         self._preload = np.empty((0, 2))
@@ -135,20 +135,38 @@ class Simulator:
         """
         if self._coupled is not None:
             raise ValueError("the run has begun: settle a new simulator")
-        scenario, start = self._first.scenario, self._start
-        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
-        under = Settling(scenario.wheel_load, start.step, start.speed, on)
         if settled is None:
-            settled = settle(self._models, self._first, self._smooth, under)
-        settled.check(under, self._models)
+            settled = settle(self._models, self._first, self._smooth, self.settling)
+        settled.check(self.settling, self._models)
         self._coupled = settled.coupled.copy()
         self._first.law.in_contact[...] = settled.in_contact
         return settled
 
     @property
+    def settling(self) -> Settling:
+        """What the run settles under: simulators on the same models share a settled state if this is equal."""
+        scenario, start = self._first.scenario, self._start
+        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
+        return Settling(scenario.wheel_load, start.step, start.speed, on)
+
+    def branch(self) -> Simulator:
+        """The same run, settled, which goes on by itself: what is applied to one of both does not change the other."""
+        if self._coupled is None:
+            self.settle()
+        branched = copy.copy(self)
+        branched._coupled = cast("Coupled", self._coupled).copy()
+        branched._changes = self._changes.copy()
+        return branched
+
+    @property
     def scenario(self) -> Scenario:
-        """The scenario as last accepted; it may come into force a little later."""
+        """The scenario of the last accepted change, which may take effect a little later."""
         return self._changes.newest.scenario
+
+    @property
+    def changed_from(self) -> int:
+        """First step of its surfaces: that of its revision, or the end of the fade to them."""
+        return self._changes.newest.from_step
 
     @property
     def in_force(self) -> Scenario:
@@ -167,7 +185,7 @@ class Simulator:
 
     @property
     def history(self) -> tuple[Applied, ...]:
-        """What the run started under, and each change that has come into force since: the latest ``REMEMBERED``."""
+        """The start of the run and each change that has taken effect since: the latest ``REMEMBERED``."""
         return self._history
 
     @property
@@ -235,11 +253,11 @@ class Simulator:
 
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
-        It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
+        It takes effect between two blocks, at the first step from ``not_before`` on at which no irregularity that
         changes is in the contact patch. If there is none within a turn of the wheel, the surfaces fade (``passage``).
         From that step on a changed load rises (``preload``), and the ramps to a changed ``speed`` and torque begin,
         which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged value, too. With
-        ``exactly`` it does not wait for the contact patch, but comes into force at ``not_before``, where it has done so
+        ``exactly`` it does not wait for the contact patch, but takes effect at ``not_before``, where it has done so
         before.
         """
         newest = self._changes.newest
@@ -249,8 +267,8 @@ class Simulator:
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
         if scenario.axle_load != current.axle_load and self._models.vehicle and self._models.vehicle.body_mass:
             raise InputError(
-                "axle_load cannot change during a run with vehicle.body_mass, which is what it loads: start a new run, "
-                "or leave body_mass out"
+                "axle_load cannot change during a run with vehicle.body_mass, because the car body is that load: "
+                "start a new run, or leave body_mass out"
             )
         current.loads.check_change(scenario.loads)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards
@@ -265,12 +283,14 @@ class Simulator:
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
         law = newest.law if same else self._models.contact_law(shape, progress, line)
+        if not same:
+            self._prepare(newest.law, law)
         fade = partial(self._models.fade_law, current, scenario)
-        preload = self._preload_for(scenario)
+        preload = self._models.preload(scenario.wheel_load, scenario.speed)
         return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
 
     def advance(self, steps: int) -> SampleBlock:
-        """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
+        """Simulate the next ``steps`` samples, or fewer if a change takes effect or the speed changes after them.
 
         A simulator that is not settled yet is settled first. Raises ContactError with step and inputs if a contact
         problem has no solution; samples solved before that step are returned first.
@@ -310,6 +330,7 @@ class Simulator:
             stresses=stresses.reshape(-1, len(COMPONENTS), len(forces)).transpose(2, 0, 1),
             nodes=scenario.output.stress_nodes,
             contacts=coupled.contacts,
+            sensors=self._sensed(first, coupled.signals),
         )
 
     @property
@@ -320,11 +341,26 @@ class Simulator:
             return np.zeros((nodes, len(COMPONENTS)))
         return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
 
-    def _preload_for(self, scenario: Scenario) -> Real:
-        smooth = self._models.contact_law(())
-        load = scenario.wheel_load
-        preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
-        return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
+    def _sensed(self, first: int, signals: Real) -> dict[str, Real]:
+        """True values (n, channels) of each sensor, by topic, from the rows (n, rows) that all of them read."""
+        sensors = self.scenario.sensors
+        if not sensors:
+            return {}
+        angles = np.empty(0)
+        if any(each.turning for each in sensors):
+            turn = self.steps_per_revolution
+            steps = np.arange(first, first + len(signals)) - self._models.tread_origin
+            angles = 2 * math.pi / turn * (steps % turn).astype(np.float64)
+        place = {row: at for at, row in enumerate(rows_of(sensors))}
+        return {
+            each.topic: each.signals(_columns(signals, [place[row] for row in each.rows]), angles) for each in sensors
+        }
+
+    def _prepare(self, before: ContactLaw, law: ContactLaw) -> None:
+        """Compile what steps under a law, or a fade to it, call: the run would wait for the compiler."""
+        solves = len(law.nested[0].element) > 0
+        if self._coupled and (solves or passage(before, law, self.next_step, self._models.tread_origin) is None):
+            self._coupled.prepare(law)
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""
@@ -347,3 +383,10 @@ class Simulator:
             if condition.revision.number > self.history[-1].revision.number:
                 applied = Applied(condition.revision, now, self._course.at(self.next_step).set_point)
                 self._history = (*self._history, applied)[-REMEMBERED:]
+
+
+def _columns(signals: Real, places: list[int]) -> Real:
+    """Columns of the signals (n, rows), which are not copied if they are side by side."""
+    first, count = places[0], len(places)
+    side_by_side = places == [*range(first, first + count)]
+    return signals[:, first : first + count] if side_by_side else signals[:, places]

@@ -44,7 +44,7 @@ class Reading:
                 raise InputError(f"--unit {unit!r} is not known: give one of {', '.join(UNITS)}")
         for name in self.offsets:
             if name not in WHEELS:
-                raise InputError(f"--offset is of {' or '.join(WHEELS)}, not of {name!r}: give one of these")
+                raise InputError(f"--offset applies to {' or '.join(WHEELS)}, not to {name!r}: give one of these")
 
     def unit(self, dimension: Dimension) -> str:
         """Unit that is given for a dimension, or empty."""
@@ -107,7 +107,10 @@ def _of_table(table: ColumnTable, path: Path, reading: Reading) -> Measurement:
             f"{', '.join(names_of('force'))}; other names are of stress nodes, give {', '.join(names_of('stress'))}"
         )
     if left_out:
-        warn(f"{path}: {', '.join(left_out)} is not used: call a force wheel_1 or wheel_2, and a stress after its node")
+        warn(
+            f"{path}: {', '.join(left_out)} is not used: name a column of forces wheel_1 or wheel_2, and one of "
+            "stresses after its node"
+        )
     measurement = Measurement(path, axis, first.values * scale, signals, first.origin * Decimal(repr(scale)))
     check_loads(measurement, unit_given=bool(reading.unit("force")))
     return measurement
