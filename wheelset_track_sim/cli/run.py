@@ -13,13 +13,14 @@ from rich.table import Table
 
 from ..bags.exports import check_steps, exported, form_of
 from ..bags.settings import RecordSettings
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..inputs.amounts import in_unit
 from ..live.run_messages import record
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import Summary, combine, summarise
 from ..scenario import WHEELS, Scenario, load_scenario
+from ..scenario.events import OF_NODE
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
 from .console import print_object, terminal
@@ -57,6 +58,9 @@ def run(
     bag, form = out, None if out is None else form_of(out)
     if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
         raise InputError(f"--out {out} is a table: options of bags need a bag, such as {out.with_suffix('.mcap')}")
+    for index, event in enumerate(what.events):
+        for key in (name for name in OF_NODE if getattr(event, name)):
+            warn(f"events.{index}.{key} is for the node, and does nothing here: --out records the whole run")
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
@@ -84,7 +88,8 @@ def run(
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
     result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
-    print_object(result) if json else terminal().print(table(result, " at the start" if what.speed_plan else ""))
+    varies = what.speed_plan or any(event.speed or event.axle_load for event in what.events)
+    print_object(result) if json else terminal().print(table(result, " at the start" if varies else ""))
     return 0
 
 

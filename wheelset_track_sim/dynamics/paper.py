@@ -61,7 +61,6 @@ class PaperModel:
     progress: Progress | None = None
     bays: int = BAYS
     """Bays over which the rail's response is followed."""
-    changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
 
     @on_one_core

@@ -5,7 +5,9 @@ from __future__ import annotations
 import threading
 import traceback
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,7 @@ from ..live.revisions import Revisions
 from ..monitoring.status import recording_status
 from ..scenario import Scenario
 from ..scenario.values import values_of
-from ..simulation.changes import Revision
+from ..simulation.changes import Applied, OvertakenError, Revision
 from ..simulation.fleet import ModelPool
 from ..simulation.simulator import Simulator
 from .answers import answer_always
@@ -67,6 +69,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._models = models or ModelPool()
         self._transition = threading.RLock()
         self._interrupted = False
+        self._overtaken = False  # by an event, while parameters are set
         self._accepted = ""  # what to know of parameters that were set
         self._refusal: WheelsetTrackError | None = None
         self.parameters = Parameters(self)
@@ -151,8 +154,13 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """As that of every node; no other change comes between the check of the values and the values themselves."""
         with self.revisions.lock:
-            self._accepted = ""
-            result = super().set_parameters_atomically(parameter_list)
+            if self.parameters.following:
+                return super().set_parameters_atomically(parameter_list)
+            self._overtaken = True
+            while self._overtaken:  # again if an event of the run comes between the check and the change
+                self.revisions.catch_up()
+                self._accepted, self._overtaken = "", False
+                result = super().set_parameters_atomically(parameter_list)
             if result.successful:
                 result.reason = self._accepted
             else:
@@ -172,6 +180,14 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             told = f"revision {revision.number} from step {revision.step}"
         self.get_logger().info(f"{by}: {told}")
         return told if self.run is not None else ""
+
+    def start_recording(self, name: str = "") -> tuple[Path, int]:
+        """Record to a bag of a name, or of date and time; its path and first step. Raises InputError."""
+        folder = self.parameters["record.directory"]
+        path = path_below(folder, name) if name else self.recorder.path_now(folder)
+        first_step = self.needed_run().start_recording(path)
+        self.get_logger().info(f"recording to {path} from step {first_step}")
+        return path, first_step
 
     def pause(self) -> str:
         """Deactivate; what to know about it. Raises InputError if there is nothing to pause."""
@@ -286,7 +302,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact
-        run = NodeRun(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts)
+        run = NodeRun(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts, self._on_event)
         run.messages.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 
@@ -360,6 +376,23 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         if failure is None or self._pace.duration > 0 or not isinstance(failure, WheelsetTrackError):
             self._end(failure)
 
+    def _on_event(self, applied: Applied) -> None:
+        """In the stream's thread: an event has happened; do what it asks of the node, and show what it has changed."""
+        event, revision, log = applied.event, applied.revision, self.get_logger()
+        assert event is not None
+        log.info(f"{event} ({', '.join(event.what)}): revision {revision.number} from step {revision.step}")
+        try:
+            if event.record == "start":
+                self.start_recording()
+            elif event.record == "stop":
+                self.needed_run().stop_recording().add_done_callback(partial(_tell, log, "recorded"))
+            if event.snapshot:
+                self.needed_run().take_snapshot().add_done_callback(partial(_tell, log, "took the snapshot"))
+        except WheelsetTrackError as refusal:
+            log.warning(f"{event} is refused: {refusal}")
+        if self.executor is not None:
+            self.executor.create_task(self.revisions.catch_up)
+
     def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         """All or nothing: one call is one revision."""
         if self.parameters.following:
@@ -371,6 +404,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             recording = self.parameters.recording(changes)
             before = self.revisions.scenario
             revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
+        except OvertakenError as reason:
+            self._overtaken = True
+            return SetParametersResult(successful=False, reason=str(reason))
         except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
             return SetParametersResult(successful=False, reason=str(refusal))
         if changes.keys() & values_of(before):
@@ -397,3 +433,11 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.parameters.check_clock(following)
         if following != self._time.following and self.run is not None and self.run.next_step > 0:
             raise InputError("use_sim_time cannot change while there is a run, whose stamps go on: clean up first")
+
+
+def _tell(log: Any, what: str, done: Future[Any]) -> None:
+    """Log what has been written in the meantime, or why it has not."""
+    try:
+        log.info(f"{what} {done.result()}")
+    except WheelsetTrackError as refusal:
+        log.warning(str(refusal))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from ..live.stream import Stream, Timing
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import summarise
+from ..simulation.changes import Applied
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
 from .clock import NodeClock
@@ -40,13 +42,18 @@ class NodeRun:
         log: Any,
         ended: Callable[[Exception | None], None],
         impacts: ImpactSettings | None = None,
+        happened: Callable[[Applied], None] = lambda applied: None,
     ) -> None:
-        """``ended`` is called in the stream's thread if the run ends or fails; ``impacts`` defines an impact."""
+        """``ended`` is called in the stream's thread if the run ends or fails; ``impacts`` defines an impact.
+
+        ``happened`` is called there for each event, before the chunk that it begins with is delivered.
+        """
         self.simulator = simulator
         self.contacts = Contacts()
         self.messages = RunMessages(simulator, impacts=impacts)
         self._outputs, self._monitoring, self._recorder, self._log = outputs, monitoring, recorder, log
-        self._clock, self._ended = clock, ended
+        self._clock, self._ended, self._happened = clock, ended, happened
+        self._seen = simulator.revision  # newest revision whose event has been handed to ``happened``
         self._stream: Stream | None = None
         self._next_step = simulator.next_step
         self._over = False  # no message is published any more
@@ -125,16 +132,16 @@ class NodeRun:
             self._repeat_state()
         return split.result()
 
-    def take_snapshot(self) -> Path:
-        """Write the latest messages; returns where. Raises InputError or RecordingError."""
-        return self._recorder.bag.snapshot().result()
+    def take_snapshot(self) -> Future[Path]:
+        """Write the latest messages; the result is where, or RecordingError. Raises InputError without a bag."""
+        return self._recorder.bag.snapshot()
 
-    def stop_recording(self) -> str:
-        """Close the bag, if one is open; returns its path. Raises RecordingError."""
+    def stop_recording(self) -> Future[str]:
+        """Close the bag, if one is open; the result is its path, or RecordingError."""
         with self._lock:
             stopped = self._recorder.stop()
             self._repeat_state()
-        return stopped.result()
+        return stopped
 
     def _stop(self) -> None:
         stream, self._stream = self._stream, None
@@ -144,6 +151,12 @@ class NodeRun:
     def _deliver(self, block: SampleBlock, timing: Timing) -> None:
         """In the stream's thread: record and publish a chunk, and before it the state if it has changed."""
         summary = summarise(block)
+        if block.revision != self._seen:
+            newer = [each for each in self.simulator.history if self._seen < each.revision.number <= block.revision]
+            self._seen = block.revision
+            for each in newer:
+                if each.event is not None:
+                    self._happened(each)
         with self._lock:
             found = self.messages.push(block, summary, timing, recording=self._recorder.path)
             for state in found.states:

@@ -6,6 +6,7 @@ import traceback
 from array import array
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any, Protocol
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -13,10 +14,17 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
-from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
+from wheelset_track_msgs.srv import (
+    GetContactPressure,
+    ScheduleEvents,
+    SetIrregularities,
+    SetSpeed,
+    SetTreadDamage,
+    StartRecording,
+)
 
 from ..errors import InputError, WheelsetTrackError
-from ..live.recorder import Recorder, path_below
+from ..live.recorder import Recorder
 from ..live.revisions import Revisions
 from ..scenario import Scenario
 from ..simulation.changes import Revision
@@ -45,6 +53,10 @@ class Controlled(Protocol):
 
     def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
         """Log a change that was accepted."""
+        ...
+
+    def start_recording(self, name: str) -> tuple[Path, int]:
+        """Record to a bag of a name; its path and first step. Raises InputError."""
         ...
 
     def pause(self) -> str:
@@ -88,6 +100,7 @@ class Services:
             (SetTreadDamage, "set_tread_damage", self._set_tread_damage, node.changing),
             (SetIrregularities, "set_irregularities", self._set_irregularities, node.changing),
             (SetSpeed, "set_speed", self._set_speed, node.changing),
+            (ScheduleEvents, "schedule_events", self._schedule_events, node.changing),
             (StartRecording, "start_recording", self._start_recording, switching),
             (Trigger, "stop_recording", self._stop_recording, switching),
             (Trigger, "split_recording", self._split_recording, switching),
@@ -131,6 +144,13 @@ class Services:
     def _set_speed(self, request: Any) -> Answer:
         return self._changed("set_speed", lambda: self._node.revisions.speed(request.speed, request.acceleration))
 
+    def _schedule_events(self, request: Any) -> Answer:
+        node = self._node
+        folder = node.parameters["profiles.directory"]
+        return self._changed(
+            "schedule_events", lambda: node.revisions.schedule(request.events, folder, replace=request.replace)
+        )
+
     def _changed(self, by: str, change: Callable[[], Revision]) -> Answer:
         """Revision and step of a change, which is logged; if it is rejected, those of the newest one with the reason.
 
@@ -146,17 +166,15 @@ class Services:
 
     def _start_recording(self, request: Any) -> Answer:
         node = self._node
-        run, folder = node.needed_run(), node.parameters["record.directory"]
-        path = path_below(folder, request.name) if request.name else node.recorder.path_now(folder)
+        node.needed_run()
         try:
-            first_step = run.start_recording(path)
+            path, first_step = node.start_recording(request.name)
         except InputError as refusal:
             return {"success": False, "message": str(refusal), "path": node.recorder.path}
-        node.get_logger().info(f"recording to {path} from step {first_step}")
         return {"path": str(path), "first_step": first_step}
 
     def _stop_recording(self, request: Any) -> Answer:
-        path = self._node.needed_run().stop_recording()
+        path = self._node.needed_run().stop_recording().result()
         if not path:
             raise InputError("nothing is being recorded: start a recording first")
         self._node.get_logger().info(f"recorded {path}")
@@ -166,7 +184,7 @@ class Services:
         return {"message": str(self._node.needed_run().split_recording())}
 
     def _take_snapshot(self, request: Any) -> Answer:
-        path = self._node.needed_run().take_snapshot()
+        path = self._node.needed_run().take_snapshot().result()
         self._node.get_logger().info(f"took the snapshot {path}")
         return {"message": str(path)}
 

@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from ..contact.law_kernels import ContactLaw
+from ..errors import InputError, WheelsetTrackError
 from ..runtime.arrays import Real
-from ..scenario import Scenario
+from ..scenario import Event, Scenario
 from .passage import passage
 
 START = 6
 """Lengths of the contact area for which what is in it at the start may wait: longer things are there at once."""
+
+
+class OvertakenError(WheelsetTrackError):
+    """Another change was accepted while this one was worked out: it has to be made from that one."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,8 @@ class Condition:
     """First step of these surfaces: that of the revision, or the end of the fade to them."""
     tread_origin: int
     """Step at row 0 of the law's treads."""
+    event: Event | None = None
+    """Event that made the change; None if it came from outside."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,8 @@ class Applied:
     scenario: Scenario
     set_point: float
     """Speed that is approached, m/s."""
+    event: Event | None = None
+    """Event that made the change; None if it came from outside."""
 
 
 class Changes:
@@ -77,6 +86,9 @@ class Changes:
         preload: Real,
         fade: Callable[[int], tuple[ContactLaw, int]],
         *,
+        base: Condition | None = None,
+        event: Event | None = None,
+        due: Iterable[int] = (),
         not_before: int = 0,
         exactly: bool = False,
         number: int | None = None,
@@ -87,9 +99,20 @@ class Changes:
         in a contact patch. If there is no such step within a turn of the wheel, or with ``exactly`` at that very step,
         the surfaces ``fade``: that makes the contact law of a fade from a step on, and its length in steps. At the
         start (``number`` 0) the wait is shorter.
+
+        Raises OvertakenError if ``base`` is not the condition accepted last any more, InputError if one of the steps
+        ``due`` has passed.
         """
         with self._lock:
             last = self._queue[-1] if self._queue else self._in_force
+            if base not in (None, last):
+                raise OvertakenError("another change came first: try again")
+            for step_due in due:
+                if step_due < self._horizon:
+                    raise InputError(
+                        f"an event at step {step_due} is in the past: the run is at step {self._horizon}, give a later "
+                        "one"
+                    )
             earliest = max(self._horizon, last.from_step, not_before)
             step = passage(last.law, law, earliest, self._tread_origin)
             wait = 0 if exactly else START * len(law.x) if number == 0 else math.inf
@@ -101,9 +124,9 @@ class Changes:
             if step is None:
                 fading, steps = fade(begin)
                 row_0 = begin - len(fading.x)
-                self._queue.append(Condition(revision, scenario, fading, preload, begin, row_0))
+                self._queue.append(Condition(revision, scenario, fading, preload, begin, row_0, event))
                 begin += steps
-            self._queue.append(Condition(revision, scenario, law, preload, begin, self._tread_origin))
+            self._queue.append(Condition(revision, scenario, law, preload, begin, self._tread_origin, event))
         return revision
 
     def due(self, step: int) -> Iterator[Condition]:
@@ -115,8 +138,13 @@ class Changes:
                 self._in_force = self._queue.popleft()
             yield self._in_force
 
-    def claim(self, end: int) -> int:
-        """The step before ``end``, or ``end``, up to which nothing changes any more: a block runs up to there."""
+    def claim(self, end: int, due: Callable[[Scenario], int]) -> int:
+        """The step before ``end``, or ``end``, up to which nothing changes any more: a block runs up to there.
+
+        ``due`` is the step of the next event of a scenario.
+        """
         with self._lock:
+            newest = self._queue[-1] if self._queue else self._in_force
+            end = min(end, due(newest.scenario))
             self._horizon = min(end, self._queue[0].from_step) if self._queue else end
             return self._horizon
