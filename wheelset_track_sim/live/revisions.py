@@ -71,6 +71,13 @@ class Revisions:
             self.catch_up()
             self._simulator, self._newest = None, Revision(0, 0)
 
+    def begin(self, scenario: Scenario) -> None:
+        """Begin anew with another scenario, without a run; parameters show it."""
+        with self.lock:
+            self.detach()
+            self._known = scenario
+            self._follow(scenario)
+
     def catch_up(self) -> None:
         """Take note of what events have changed."""
         with self.lock:
