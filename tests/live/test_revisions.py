@@ -5,6 +5,7 @@ import math
 import threading
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from support.advancing import advance_to
@@ -216,3 +217,34 @@ def test_events_are_scheduled_in_their_order_and_dropped():
     assert len(simulator.scenario.events) == 3
     assert revisions.schedule("", ".", replace=True).number == 2
     assert simulator.scenario.events == ()
+
+
+@pytest.mark.slow
+def test_events_and_changes_of_two_threads_lose_nothing_and_can_be_made_again(followed):
+    """Changes come whenever they do; each event comes at its step, and all of it again gives the same bits."""
+    loads = [150e3 + 100.0 * number for number in range(1, 21)]
+    events = "".join(f"{{step: {100 * number}, axle_load: {load}}}, " for number, load in enumerate(loads, 1))
+    scenario = toy_scenario(f"events=[{events}]", "acceleration=10")
+    simulator = Simulator(scenario, models=toy_models())
+    revisions = Revisions(scenario, followed.append, lambda stage, fraction: None)
+    revisions.attach(simulator)
+    made = []
+
+    def change():
+        while simulator.next_step < 2200:
+            made.append(revisions.speed(25.0 + len(made) % 10))
+
+    thread = threading.Thread(target=change)
+    thread.start()
+    forces = np.concatenate([block.forces for block in advance_to(simulator, 2200, 30)])
+    thread.join()
+    history = [each for each in simulator.history if each.revision.step < 2200]
+    assert [each.revision.step for each in history if each.event] == [100 * number for number in range(1, 21)]
+    assert [each.scenario.axle_load for each in history if each.event] == loads
+    assert len(history) - 21 == sum(revision.step < 2200 for revision in dict.fromkeys(made) if revision.number)
+    again = Simulator(toy_scenario("acceleration=10"), models=toy_models())
+    blocks = []
+    for each in history[1:]:
+        blocks += advance_to(again, each.revision.step)
+        again.apply(dataclasses.replace(each.scenario, events=()), not_before=each.revision.step, exactly=True)
+    assert np.array_equal(np.concatenate([block.forces for block in blocks + advance_to(again, 2200)]), forces)
