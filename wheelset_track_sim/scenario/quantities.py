@@ -10,6 +10,9 @@ from typing import Any
 from ..inputs.schema import Quantity
 from ..irregularities.kinds import kind_named, known_kinds
 
+OF_IRREGULARITIES = ("irregularities", "add", "replace")
+"""Keys of a scenario, and of its events, below which irregularities are."""
+
 
 def quantity_within(owners: Sequence[type], parts: Sequence[str]) -> Quantity | None:
     """Quantity that the parts of a dotted key name in dataclasses; None if it is none. Of several, the last one's."""
@@ -22,7 +25,7 @@ def quantity_within(owners: Sequence[type], parts: Sequence[str]) -> Quantity | 
             for field in fields(owner):
                 if field.name == part:
                     found = field.metadata.get("quantity", found)
-                    inner += kinds() if part == "irregularities" else _dataclasses(_hint(owner, part))
+                    inner += kinds() if part in OF_IRREGULARITIES else _dataclasses(_hint(owner, part))
         owners = inner
     return found
 
