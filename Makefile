@@ -2,7 +2,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test check search fuzz lint docs validation gallery bench clean distclean
+.PHONY: help setup demo test check search fuzz endurance lint docs validation gallery bench clean distclean
 
 help:
 	@echo "make demo        set up if needed, simulate the damaged wheel, show a picture and a table"
@@ -12,6 +12,7 @@ help:
 	@echo "make lint        set up if needed, run ruff and mypy"
 	@echo "make search      run the property tests with thousands of random examples"
 	@echo "make fuzz        read ten thousand mutants of every kind of input: an hour"
+	@echo "make endurance   let three clients ask a running node for anything at random: ten minutes"
 	@echo "make docs        build the documentation as a site with search: build/site/index.html"
 	@echo "make validation  recompute docs/validation.md: half an hour the first time"
 	@echo "make gallery     redraw docs/gallery.md with every shipped scenario: ten minutes"
@@ -39,6 +40,11 @@ search:
 fuzz:
 	@$(PYTHON) tools/setup_env.py test
 	$(BIN)/python -m pytest -n 2 --dist worksteal tests/fuzz --hypothesis-profile fuzz $(ARGS)
+
+endurance: SECONDS ?= 600
+endurance:
+	@$(PYTHON) tools/setup_env.py test
+	WHEELSET_TRACK_SIM_ENDURANCE=$(SECONDS) $(BIN)/python -m pytest -s tests/ros/test_three_clients.py
 
 docs:
 	@$(PYTHON) tools/setup_env.py docs

@@ -13,12 +13,21 @@ from wheelset_track_sim.samples.block import NO_CONTACTS
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
-CASES = ("rough_wheel", "rail_roughness", "polygon", "measured_tread", "mixed", "four_rough_surfaces")
+CASES = ("rough_wheel", "rail_roughness", "polygon", "measured_tread", "mixed", "long_wave", "four_rough_surfaces")
 SURFACES = {"wheel_1": 1, "wheel_2": 2, "rail_1": 11, "rail_2": 12}
 ROUGH = ", ".join(f"{{type: roughness, on: {on}, seed: {seed}}}" for on, seed in SURFACES.items())
 FOUR_ROUGH = f"irregularities=[{ROUGH}]"
-SCENARIOS = {"four_rough_surfaces": ("undamaged", FOUR_ROUGH, "line_length=6.0")}
+MEASURED = "{type: profile, on: wheel_1, file: synthetic_tread.csv, along: deg, height: mm, gaps: fill}"
+TREAD = f"{MEASURED}, {{type: flat, on: wheel_2, length: 0.04}}"
+HANGING = "track.line.supports=[{sleepers: 20-21, gap: 0.0005}]"
+EVERYTHING = f"irregularities=[{ROUGH}, {TREAD}]"
+SCENARIOS = {
+    "four_rough_surfaces": ("undamaged", FOUR_ROUGH, "line_length=6.0"),
+    "everything": ("scattered_support", HANGING, EVERYTHING, "line_length=6.0"),
+}
 """Scenarios with settings, for cases that are not shipped."""
+SUPPORTS = ("scattered_support", "hanging_sleeper", "everything")
+"""Cases with supports that vary; their contacts, but for ``everything``, have tables."""
 
 
 def simulator(case: str, *settings: str) -> Simulator:
@@ -52,7 +61,7 @@ def against_smooth(case: str, rounds: int = 30, steps: int = CHUNK) -> dict[str,
         "real_time_factor": steps * period / best["filtered"],
         "to_smooth": best["smooth"] / best["filtered"],
         "solved_to_smooth": best["smooth"] / best["solved"],
-        "share_filtered": counts.filtered_steps / (counts.filtered_steps + counts.solved_steps),
+        "share_filtered": counts.filtered_steps / max(counts.filtered_steps + counts.solved_steps, 1),
         "largest_estimate": counts.largest_estimate,
     }
 
@@ -61,3 +70,9 @@ def against_smooth(case: str, rounds: int = 30, steps: int = CHUNK) -> dict[str,
 @pytest.mark.parametrize("case", CASES)
 def test_filter(record: Measure, case: str) -> None:
     record(lambda: against_smooth(case), case=case)
+
+
+@group("filter")
+@pytest.mark.parametrize("case", SUPPORTS)
+def test_supports(record: Measure, case: str) -> None:
+    record(lambda: against_smooth(case, rounds=6), case=case)

@@ -10,7 +10,7 @@ import pytest
 from bag_throughput import bag_throughput
 from conftest import Measure
 from memory import Memory, memory_of_node, memory_of_run
-from node_throughput import node_throughput
+from node_throughput import node_load, node_throughput
 
 HOUR = 3600.0
 
@@ -30,18 +30,33 @@ def test_bag(record: Measure) -> None:
 @pytest.mark.all_cores
 @pytest.mark.benchmark(group="node")
 @pytest.mark.usefixtures("ros")
-@pytest.mark.parametrize("subscriber", [False, True], ids=["alone", "with a subscriber"])
-def test_node(record: Measure, subscriber: bool) -> None:
+@pytest.mark.parametrize(
+    ("subscriber", "scenario"),
+    [(False, "damage_wheel_1"), (True, "damage_wheel_1"), (False, "rough_wheel")],
+    ids=["alone", "with a subscriber", "rough wheels"],
+)
+def test_node(record: Measure, subscriber: bool, scenario: str) -> None:
     """One core for the node, publishing everything and recording; a subscriber has the other. The best of three."""
-    runs = [node_throughput(subscriber=subscriber) for _ in range(3)]
+    runs = [node_throughput(subscriber=subscriber, scenario=scenario) for _ in range(3)]
     record(lambda: {key: (min if key.endswith("_s") else max)(run[key] for run in runs) for key in runs[0]})
 
 
 @pytest.mark.all_cores
+@pytest.mark.benchmark(group="rates")
+@pytest.mark.usefixtures("ros")
+@pytest.mark.parametrize("subscribers", [0, 1, 4])
+@pytest.mark.parametrize("rate", [10, 20, 100])
+def test_rate(record: Measure, rate: int, subscribers: int) -> None:
+    """Share of a core that a node in real time takes with chunks at a rate, Hz; subscribers take in all topics."""
+    record(lambda: {"share_of_core": node_load(rate, subscribers)}, rate=rate, subscribers=subscribers)
+
+
+@pytest.mark.all_cores
 @pytest.mark.benchmark(group="memory")
-def test_memory_of_run(record: Measure) -> None:
+@pytest.mark.parametrize("scenario", ["damage_wheel_1", "rough_wheel"])
+def test_memory_of_run(record: Measure, scenario: str) -> None:
     """An hour in memory."""
-    record(lambda: _of_memory(memory_of_run(HOUR)))
+    record(lambda: _of_memory(memory_of_run(HOUR, scenario=scenario)))
 
 
 @pytest.mark.all_cores
@@ -71,9 +86,10 @@ def test_fleet(record: Measure, wheelsets: int) -> None:
 
 
 @pytest.mark.benchmark(group="fleet")
-def test_cost_of_a_fleet(record: Measure) -> None:
-    """Time of the processor for 32 wheelsets over 32 times that for one."""
-    record(lambda: {"ratio": fleet.library_cost([32])[0]}, wheelsets=32)
+@pytest.mark.parametrize("wheelsets", [8, 32])
+def test_cost_of_a_fleet(record: Measure, wheelsets: int) -> None:
+    """Time of the processor for some wheelsets over so many times that for one."""
+    record(lambda: {"ratio": fleet.library_cost([wheelsets])[0]}, wheelsets=wheelsets)
 
 
 @pytest.mark.all_cores

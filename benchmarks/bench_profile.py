@@ -142,10 +142,10 @@ def test_coupled_step(measure: Measure, turn: Run, dynamics: Any) -> None:
     first = iter(range(0, 10**9, STEPS))
 
     origin = turn.models.tread_origin
-    preload = np.tile(turn.preload, (STEPS, 1))
+    preload, untabled = np.tile(turn.preload, (STEPS, 1)), np.zeros(3)
 
     def call() -> None:
-        solved = run(dynamics, turn.law, None, preload, origin, next(first), forces, stress, xi)
+        solved = run(dynamics, turn.law, None, None, preload, origin, next(first), forces, stress, xi, untabled)
         assert solved == STEPS
 
     timed(measure, call)

@@ -63,10 +63,10 @@ def memory_of(command: Sequence[str], simulated: float) -> Memory:
     return Memory(simulated, found[20:-10])  # it starts up, and in the end takes itself down
 
 
-def memory_of_run(seconds: float, out: Path | None = None) -> Memory:
+def memory_of_run(seconds: float, out: Path | None = None, scenario: str = "damage_wheel_1") -> Memory:
     """Memory of ``run``."""
     recorded = [] if out is None else ["--out", str(out)]
-    return memory_of(["run", "damage_wheel_1", "--duration", str(seconds), "--json", *recorded], seconds)
+    return memory_of(["run", scenario, "--duration", str(seconds), "--json", *recorded], seconds)
 
 
 def memory_of_node(seconds: float) -> Memory:
@@ -77,10 +77,11 @@ def memory_of_node(seconds: float) -> Memory:
 
 
 def main(seconds: float = 3600.0) -> None:
-    """Measure all three and print."""
+    """Measure all and print."""
     with tempfile.TemporaryDirectory() as folder:
         for name, measure in (
             ("run", lambda: memory_of_run(seconds)),
+            ("run of rough wheels", lambda: memory_of_run(seconds, scenario="rough_wheel")),
             ("node", lambda: memory_of_node(seconds)),
             ("run --out, a tenth of the time", lambda: memory_of_run(seconds / 10, Path(folder) / "run.mcap")),
         ):

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -47,17 +48,10 @@ def node_throughput(
 
     With ``record`` also the time from its start to the stamp of its first step, s.
     """
-    environment = os.environ | {
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        "ROS_DOMAIN_ID": str(os.getpid() % 90 + 5),
-    }
+    environment = _environment()
     with ExitStack() as stack:
         if subscriber:
-            listening = subprocess.Popen([sys.executable, "-c", SUBSCRIBER], env=environment, stdout=subprocess.PIPE)
-            stack.enter_context(listening)
-            stack.callback(listening.terminate)
-            assert listening.stdout is not None
-            listening.stdout.readline()
+            _subscribe(stack, environment)
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         of_start, _ = _run(environment, 1.0, folder if record else None, "short", scenario, core)
         used, started = _run(environment, seconds, folder if record else None, "long", scenario, core)
@@ -65,11 +59,47 @@ def node_throughput(
         return found | (_account(folder / "long", started) if record else {})
 
 
+def node_load(
+    rate: float, subscribers: int, span: tuple[float, float] = (2.0, 12.0), scenario: str = "damage_wheel_1"
+) -> float:
+    """Share of a core that a node in real time takes, publishing everything in ``rate`` chunks a second.
+
+    It is the difference of two durations, s, so that the start does not count.
+    """
+    environment = _environment()
+    with ExitStack() as stack:
+        for _ in range(subscribers):
+            _subscribe(stack, environment)
+        paced = {"real_time_factor": 1.0, "chunk_duration": 1.0 / rate}
+        short, long = (_run(environment, seconds, None, "", scenario, 0, paced)[0] for seconds in span)
+    return (long - short) / (span[1] - span[0])
+
+
+def _environment() -> dict[str, str]:
+    return os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_DOMAIN_ID": str(os.getpid() % 90 + 5)}
+
+
+def _subscribe(stack: ExitStack, environment: dict[str, str]) -> None:
+    """A process that takes in every topic, until the stack is unwound."""
+    listening = subprocess.Popen([sys.executable, "-c", SUBSCRIBER], env=environment, stdout=subprocess.PIPE)
+    stack.enter_context(listening)
+    stack.callback(listening.terminate)
+    assert listening.stdout is not None
+    listening.stdout.readline()
+
+
 def _run(
-    environment: dict[str, str], seconds: float, folder: Path | None, name: str, scenario: str, core: int
+    environment: dict[str, str],
+    seconds: float,
+    folder: Path | None,
+    name: str,
+    scenario: str,
+    core: int,
+    pace: Mapping[str, float] | None = None,
 ) -> tuple[float, float]:
     """Time of the processor that a node uses for ``seconds`` of simulated time, and when it was started, s."""
     parameters: dict[str, object] = {"scenario": scenario, "real_time_factor": 0.0, "duration": float(seconds)}
+    parameters |= pace or {}
     if folder is not None:
         parameters |= {"record.on_start": "true", "record.directory": folder, "record.name": name}
     command = [sys.executable, "-m", "wheelset_track_sim", "node", "--ros-args"]

@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "performance.md"
 RESULTS = ROOT / "results" / "benchmarks.json"
 CORES = ("one core", "all cores")
+MEMORY = {"run[damage_wheel_1]": "run", "run[rough_wheel]": "run of rough wheels", "node": "node"}
 
 
 class Results:
@@ -56,7 +57,13 @@ class Results:
 def _merit(run: dict[str, Any]) -> float:
     """The larger the better: by what the benchmark measured itself, or its best time."""
     facts = run["extra_info"]
-    for key, sense in (("real_time_factor", 1), ("in_real_time", 1), ("share_of_core", -1), ("ratio", -1)):
+    for key, sense in (
+        ("real_time_factor", 1),
+        ("in_real_time", 1),
+        ("in_a_second", 1),
+        ("share_of_core", -1),
+        ("ratio", -1),
+    ):
         if key in facts:
             return float(sense * facts[key])
     return -float(run["stats"]["min"])
@@ -79,7 +86,7 @@ def goals(r: Results) -> str:
     node = r.fact("test_node[alone]")
     plain = r.fact("test_plain[smooth]")
     ratio = None if core is None or plain is None else core / plain
-    spreads = [r.fact(f"test_memory_of_{what}", "spread") for what in ("run", "node")]
+    spreads = [r.fact(f"test_memory_of_{what}", "spread") for what in MEMORY]
     worst = None if None in spreads else 100 * max(s for s in spreads if s is not None)
     rows = [
         ("`run`, discrete defects or smooth wheels, in memory, with stresses", _times(core), "60 ×", _met(core, 60)),
@@ -279,8 +286,11 @@ def more(r: Results) -> str:
             for run in costs
         ),
         *(
-            (f"resident memory of the {what} over an hour, first minute left out", _span(r, f"test_memory_of_{what}"))
-            for what in ("run", "node")
+            (
+                f"resident memory of the {MEMORY[what]} over an hour, first minute left out",
+                _span(r, f"test_memory_of_{what}"),
+            )
+            for what in MEMORY
         ),
     ]
     return table(("", "measured"), rows)
@@ -295,14 +305,69 @@ def _span(r: Results, name: str) -> str:
     return "–" if least is None or most is None else f"{least:.0f} to {most:.0f} MB"
 
 
-GOALS = {"rough_wheel": 0.33, "rail_roughness": 0.33, "polygon": 0.4, "measured_tread": 0.4, "mixed": 0.4}
-"""Of the filter, by case: share of the factor of smooth wheels."""
+ROUGH, UNROUND = ("rough_wheel", "rail_roughness"), ("polygon", "measured_tread", "mixed")
+GOALS = dict.fromkeys(ROUGH, 0.33) | dict.fromkeys(UNROUND, 0.4)
+GOALS |= dict.fromkeys(("scattered_support", "hanging_sleeper"), 0.25) | {"everything": 0.12}
+"""Share of the factor of smooth wheels, by case."""
+
+
+def ratios(r: Results) -> str:
+    """Goals that are ratios to smooth wheels in the same run; of several cases the slowest counts."""
+    found = {run["case"]: run["to_smooth"] for run in (*r.facts("test_filter["), *r.facts("test_supports["))}
+    smooth = _least(r.fact(f"test_run[{case}]") for case in ("undamaged", "damage_wheel_1", "damage_both"))
+    node, together = r.fact("test_node[rough wheels]"), r.fact("test_cost_of_a_fleet[8]", "ratio")
+    node = None if node is None or smooth is None else node / smooth
+    together = None if together is None else 1.0 / together
+    rows = [
+        (what, _least(found.get(case) for case in cases), goal)
+        for what, cases, goal in (
+            ("roughness on treads or rails", ROUGH, 0.33),
+            ("polygon, measured tread, mixed", UNROUND, 0.4),
+            ("supports that vary", ("scattered_support", "hanging_sleeper"), 0.25),
+            ("everything together", ("everything",), 0.12),
+        )
+    ]
+    rows += [
+        ("eight wheelsets in one process on one core, sum of their factors", together, 2.7),
+        ("node, everything published and recorded, rough wheels", node, 0.15),
+        ("new defects a second, one passage each", r.fact("test_distinct_defects", "in_a_second"), 30.0),
+    ]
+    shown = [
+        (what, "–" if of is None else number(of, 0 if goal >= 10 else 2), f"{goal:g}", _met(of, goal))
+        for what, of, goal in rows
+    ]
+    return table(("", "measured", "goal", "met"), shown)
+
+
+def rates(r: Results) -> str:
+    """Processor load of a node in real time, by chunks a second and subscribers."""
+    found = {(run["rate"], run["subscribers"]): run["share_of_core"] for run in r.facts("test_rate[")}
+    listeners = sorted({subscribers for _, subscribers in found})
+    rows = [
+        (f"{rate} Hz", *(f"{100 * found[rate, subscribers]:.0f} %" for subscribers in listeners))
+        for rate in sorted({rate for rate, _ in found})
+    ]
+    return table(("chunks a second", *(f"{n} subscribers" if n != 1 else "1 subscriber" for n in listeners)), rows)
+
+
+def passages(r: Results) -> str:
+    """Distinct defects a second, both ways."""
+    return table(
+        ("a second, on one core", "defects"),
+        [
+            ("passages from a kept run", number(r.fact("test_distinct_defects", "in_a_second"), 0)),
+            (
+                "a simulation each, with force tables",
+                number(r.fact("test_distinct_defects", "in_a_second_with_tables"), 1),
+            ),
+        ],
+    )
 
 
 def contact_filter(r: Results) -> str:
     """Rough and out-of-round wheels against smooth ones."""
     rows = []
-    for run in r.facts("test_filter["):
+    for run in (*r.facts("test_filter["), *r.facts("test_supports[")):
         goal, found = GOALS.get(run["case"]), run["to_smooth"]
         rows.append(
             (
@@ -312,8 +377,8 @@ def contact_filter(r: Results) -> str:
                 "–" if goal is None else number(goal, 2),
                 "–" if goal is None else _met(found, goal),
                 number(run["solved_to_smooth"], 2),
-                f"{100 * run['share_filtered']:.1f} %",
-                f"{run['largest_estimate']:.0f} N",
+                f"{100 * run['share_filtered']:.1f} %" if run["share_filtered"] else "–",
+                f"{run['largest_estimate']:.0f} N" if run["share_filtered"] else "–",
             )
         )
     heads = ("case", "factor", "to smooth", "goal", "met", "solved, to smooth", "filtered", "largest estimate")
@@ -323,11 +388,14 @@ def contact_filter(r: Results) -> str:
 SECTIONS: dict[str, Callable[[Results], str]] = {
     "machine": machine,
     "goals": goals,
+    "ratios": ratios,
     "profile": profile,
     "reference": reference,
     "filter": contact_filter,
+    "passages": passages,
     "scaling": scaling,
     "contact": contact,
+    "rates": rates,
     "more": more,
 }
 

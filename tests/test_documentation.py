@@ -80,6 +80,14 @@ def test_commands_and_their_options_exist(page, capsys):
         assert (ROOT / "launch" / file).exists(), file
 
 
+def test_the_page_of_the_node_has_every_command_as_ros2_runs_it(capsys):
+    section = (ROOT / "docs" / "node.md").read_text().partition("## In a workspace\n")[2].partition("\n## ")[0]
+    shown = re.findall(r"^    ros2 run wheelset_track_sim wheelset-track-sim ([a-z]+)", section, re.MULTILINE)
+    with suppress(SystemExit):
+        main(["--help"])
+    assert {*shown} == set(re.findall(r"^    ([a-z]+)(?:\s|$)", capsys.readouterr().out, re.MULTILINE))
+
+
 def test_the_page_of_the_method_names_what_is_there():
     text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
     steps, _, parts = text.partition("## Parts of the package")

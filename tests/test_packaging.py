@@ -206,15 +206,46 @@ def test_colcon_installs_what_ros2_run_and_ros2_launch_look_for(tree, tmp_path):
     )
 
 
-def test_commands_of_the_readme_for_ros_are_those_of_the_script_that_runs_them():
-    [block] = re.findall(r"(?:^    .*\n)*^    rosdep install .*\n(?:^    .*\n)*", README, re.MULTILINE)
-    script = (ROOT / ".ci" / "ros2").read_text(encoding="utf-8").splitlines()
-    first, *commands = [line.partition(" #")[0].strip() for line in block.splitlines()]
-    [installed] = [line.split() for line in script if line.startswith("sudo apt-get install")]
-    assert set(first.removeprefix("sudo apt install ").split()) <= set(installed)
-    places = [next(n for n, line in enumerate(script) if line.startswith(command)) for command in commands]
-    assert len(places) == 7
+def test_the_container_job_runs_the_commands_of_the_readme_for_ros_word_by_word():
+    script = run(sys.executable, "tools/readme_ros2.py", "install", "launch", "talk", cwd=ROOT).stdout
+    assert run("bash", "-n", "-c", script, cwd=ROOT).stderr == ""
+    lines = script.splitlines()
+    section = README.partition("\n## ROS 2\n")[2].partition("\n## ")[0]
+    commands = re.findall(r"^    ((?:sudo|\.|rosdep|export|colcon|ros2) .*?)(?: +#.*)?$", section, re.MULTILINE)
+    assert len(commands) == 13
+    places = [next(n for n, line in enumerate(lines) if line.endswith(command)) for command in commands]
     assert places == sorted(places)
+    job = (ROOT / ".ci" / "ros2").read_text(encoding="utf-8")
+    assert 'eval "$(readme install launch talk)"' in job
+    assert run("bash", "-n", ".ci/ros2", cwd=ROOT).stderr == ""
+
+
+def test_the_script_of_the_readme_reads_answers_and_ends_what_does_not_end(tmp_path):
+    """With a stand-in for ``ros2``, which answers as the real one does."""
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    (tools / "ros2").write_text(
+        """#!/usr/bin/env bash
+case "$*" in
+  launch*|"run wheelset_track_sim node"*) trap 'exit 0' INT; echo streaming; while :; do sleep 0.1; done ;;
+  topic*) for _ in 1 2 3; do echo 101685.7; echo ---; sleep 0.1; done ;;
+  service*) echo "SetSpeed_Response(success=$ACCEPTED, message='')" ;;
+  param*) echo "Set parameter successful: revision 2" ;;
+  *) echo "ran $*" ;;
+esac
+"""
+    )
+    (tools / "ros2").chmod(0o755)
+    bash = 'set -eo pipefail -m; eval "$(python3 tools/readme_ros2.py launch talk)"; interrupt node; echo passed'
+    code = bash.replace("tools/", f"{ROOT}/tools/").replace("python3", sys.executable)
+    path = f"{tools}:{os.environ['PATH']}"
+    done = run("bash", "-c", code, cwd=tmp_path, PATH=path, ACCEPTED="True")
+    last = ["ran run wheelset_track_sim wheelset-track-sim run damage_wheel_1", "passed"]
+    assert [line for line in done.stdout.splitlines() if line in last] == last
+    assert "101685.7" in done.stdout
+    refused = run("bash", "-c", code, cwd=tmp_path, ok=False, PATH=path, ACCEPTED="False")
+    assert refused.returncode != 0
+    assert "passed" not in refused.stdout
 
 
 def setup_env(tree, *extras, **env):

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .samples.block import SampleBlock
     from .scenario import Scenario, load_scenario
     from .simulation.fleet import Fleet
+    from .simulation.passages import Passages
     from .simulation.simulator import Simulator
     from .studies import Study, load_study, run_study
     from .track.track import load_track
@@ -50,6 +51,7 @@ _PLACES = {
     "Fleet": "simulation.fleet",
     "InputError": "errors",
     "InputWarning": "errors",
+    "Passages": "simulation.passages",
     "Recording": "bags",
     "Resimulation": "twin",
     "SampleBlock": "samples.block",
@@ -75,6 +77,7 @@ __all__ = [
     "Fleet",
     "InputError",
     "InputWarning",
+    "Passages",
     "Recording",
     "Resimulation",
     "SampleBlock",

@@ -30,7 +30,7 @@ class InputError(WheelsetTrackError, ValueError):
 
 
 class InputWarning(UserWarning):
-    """Input that is used although it looks wrong: one line like that of InputError, with the remedy.
+    """Input that is used although it looks wrong: one line with quantity, value, limit and remedy, as in InputError.
 
     The command line prints the line on standard error and continues; ``--json`` lists it in ``"warnings"``. In Python,
     filter it like every warning.
@@ -62,7 +62,7 @@ def recorded_input() -> Iterator[None]:
 
 
 def warn(message: str) -> None:
-    """Issue an InputWarning about fresh input: quantity, value, limit and remedy in one line."""
+    """Issue an InputWarning about new input: quantity, value, limit and remedy in one line."""
     if not _recorded.get():
         warnings.warn(_line(message), InputWarning, stacklevel=3)
 

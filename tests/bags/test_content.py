@@ -248,7 +248,7 @@ def test_inputs_that_are_none(tmp_path: Path, source: Source, text: str, reason:
     assert len(read_bag(path, lost=losses.append)) == STEPS
     found = overview(path)
     assert not found.complete
-    assert any("what it says about its run is lost" in str(loss) for loss in found.losses)
+    assert any("the description of its run cannot be read" in str(loss) for loss in found.losses)
     assert_held(path)
 
 

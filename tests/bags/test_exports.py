@@ -82,7 +82,7 @@ def test_bags_are_no_tables(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["run.txt", "run.csv.gz", "run.mcap.bak", "run.db3"])
 def test_other_suffixes_are_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"is no form of results: give a name that ends in .mcap, .csv, .parquet, .xls"
+        InputError, match=r"is not a supported format: give a name that ends in .mcap, .csv, .parquet, .xls"
     ):
         form_of(tmp_path / name)
 
@@ -115,5 +115,7 @@ def test_nothing_is_replaced_and_nothing_left_behind(recording, tmp_path):
 
 def test_a_sheet_has_an_end() -> None:
     check_steps(Path("run.xlsx"), FORMS[".xlsx"], MOST_ROWS)
-    with pytest.raises(InputError, match=r"would have 1048576 steps, and .xlsx holds 1048575: give .csv, .parquet"):
+    with pytest.raises(
+        InputError, match=r"would have 1048576 rows, and .xlsx files hold at most 1048575: give .csv, .parquet"
+    ):
         check_steps(Path("run.xlsx"), FORMS[".xlsx"], MOST_ROWS + 1)

@@ -5,6 +5,7 @@ breakout by a shallower one and a flat (revision 2).
 """
 
 import hashlib
+import math
 
 import pytest
 
@@ -29,6 +30,8 @@ DIGESTS = {
     "stresses": "e079b362d1cbdda0",
 }
 """SHA-256 of the arrays as version 0.1.0 reads them."""
+LIKE_BEFORE = 900
+"""Bytes of a summary before the counts of contacts, which that version did not have."""
 SOFTWARE = {"wheelset_track_sim", "sources", "wheelset", "track"}
 """What a later version of this package changes; all else belongs to the machine."""
 
@@ -60,6 +63,11 @@ def test_it_is_played_message_by_message():
                 found = deserialise("SimulationState", item.cdr)
                 assert str(state_of(found)) in {str(state) for state in states}
                 assert len(parse(found.irregularities, "irregularities")) == 1 + (found.revision == 2)
+            elif topic.endswith("/summary"):
+                found = deserialise("LoadSummary", item.cdr)
+                assert (found.solved_steps, found.filtered_steps) == (0, 0)
+                assert math.isnan(found.largest_estimate)
+                assert padded(item.cdr)[:LIKE_BEFORE] == cdr[:LIKE_BEFORE]
             else:
                 assert padded(item.cdr) == cdr
         assert sum(item.begins for item in played) == 3

@@ -1,5 +1,7 @@
 import dataclasses
 import json
+import math
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +12,7 @@ from wheelset_track_sim.bags.overview import ChangedKey, changed_keys, overview,
 from wheelset_track_sim.bags.run_info import Input
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import RecordingError
+from wheelset_track_sim.samples.block import NO_CONTACTS, ContactCounts
 from wheelset_track_sim.scenario import load_scenario
 
 
@@ -70,9 +73,31 @@ def test_a_bag_without_summaries_is_looked_through(bag, tmp_path):
     found = overview(
         copied(tmp_path / "samples.mcap", [message for message in messages if "Summary" not in message.topic.type])
     )
-    assert found.summary == overview(bag).summary
+    assert math.isnan(found.summary.contacts.largest_estimate)  # which samples do not tell
+    assert dataclasses.replace(found.summary, contacts=NO_CONTACTS) == overview(bag).summary
     assert found.steps == overview(bag).steps
     assert found.info.scenario_name == "undamaged"
+
+
+def test_contacts_are_counted_over_all_chunks(tmp_path, run_info, run_blocks, make_state, capsys):
+    path = tmp_path / "counted.mcap"
+    with BagWriter(path, run_info, start_ns=0) as writer:
+        writer.write_state(make_state(run_blocks[0]))
+        for block, counts in zip(run_blocks, ((3, 40, 12.5), (0, 70, 80.0), (9, 0, 0.0)), strict=False):
+            writer.write(dataclasses.replace(block, contacts=ContactCounts(*counts)))
+    assert overview(path).summary.contacts == ContactCounts(12, 110, 80.0)
+    assert main(["info", str(path), "--json"]) == 0
+    counted = {"solved_steps": 12, "filtered_steps": 110, "largest_estimate_N": 80.0}
+    assert json.loads(capsys.readouterr().out)["contact"] == counted
+    assert main(["info", str(path)]) == 0
+    assert "110 filtered" in capsys.readouterr().out
+
+
+def test_of_older_bags_it_is_not_known_how_contacts_were_found(capsys):
+    bag = Path(__file__).parents[1] / "data" / "damage_wheel_1_of_0_1.mcap"
+    assert math.isnan(overview(bag).summary.contacts.largest_estimate)
+    assert main(["info", str(bag), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["contact"] == {}
 
 
 def test_gaps_and_missing_files_are_told(bag, run_blocks):

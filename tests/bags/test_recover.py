@@ -202,11 +202,19 @@ def test_nothing_is_overwritten(tmp_path, whole):
     assert (tmp_path / "run_recovered" / "mine").read_text() == "mine"
 
 
-@pytest.mark.parametrize("content", [b"", b"speed: 3\n" * 100, bytes(5000), b"\x89MCAP0\r\n"])
-def test_other_files_leave_nothing_behind(tmp_path, capsys, content):
+@pytest.mark.parametrize(
+    ("content", "status", "told"),
+    [
+        (b"", 1, "holds nothing that can be saved"),
+        (b"\x89MCAP0\r\n", 1, "holds nothing that can be saved"),
+        (b"speed: 3\n" * 100, 2, "is neither MCAP nor SQLite"),
+        (bytes(5000), 2, "is neither MCAP nor SQLite"),
+    ],
+)
+def test_other_files_leave_nothing_behind(tmp_path, capsys, content, status, told):
     (tmp_path / "run.mcap").write_bytes(content)
-    assert main(["recover", str(tmp_path / "run.mcap")]) == 1
-    assert "holds nothing that can be saved" in capsys.readouterr().err
+    assert main(["recover", str(tmp_path / "run.mcap")]) == status
+    assert told in capsys.readouterr().err
     assert [item.name for item in tmp_path.iterdir()] == ["run.mcap"]
 
 

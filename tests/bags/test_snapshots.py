@@ -120,7 +120,7 @@ def test_memory_is_bounded(start, blocks, make_state):
 
 def test_taken_by_hand(start, blocks, make_state):
     writer = start(snapshot_duration=1.0)
-    with pytest.raises(InputError, match="there is no sample since the last snapshot"):
+    with pytest.raises(InputError, match="no sample has been recorded since the last snapshot"):
         writer.snapshot()
     run(writer, blocks, make_state, range(100), set())
     path = writer.snapshot()
@@ -129,7 +129,7 @@ def test_taken_by_hand(start, blocks, make_state):
     assert found.steps[-1] == 100 * SAMPLES - 1
     assert found.time[-1] - found.time[0] == pytest.approx(1.0, abs=2 * PERIOD)
     assert found.states[0].first_step == found.steps[0]
-    with pytest.raises(InputError, match="there is no sample since the last snapshot"):
+    with pytest.raises(InputError, match="no sample has been recorded since the last snapshot"):
         writer.snapshot()
     run(writer, blocks, make_state, range(100, 103), {101})
     assert writer.snapshot() == writer.path / f"run_step_{round(101.5 * SAMPLES)}"  # is being written

@@ -53,7 +53,9 @@ def test_rosbags_reads_all_files_and_their_metadata_tell_them_apart(split_bag, r
     assert metadata["relative_file_paths"] == [file["path"] for file in files] == [f"run_{n}.mcap" for n in range(3)]
     assert metadata["message_count"] == sum(file["message_count"] for file in files) == 3 * 5 + 3
     starts = [file["starting_time"]["nanoseconds_since_epoch"] - START_NS for file in files]
-    assert starts == pytest.approx([1e9 * block.time for block in run_blocks], abs=1)
+    ends = [start + file["duration"]["nanoseconds"] for start, file in zip(starts, files, strict=True)]
+    assert ends == pytest.approx([1e9 * block.time for block in run_blocks], abs=1)
+    assert starts == [0, ends[0] + 1, ends[1] + 1]  # a file goes on where the one before has ended
 
 
 def test_metadata_are_complete_while_a_later_file_is_written(tmp_path, run_info, run_blocks):

@@ -84,7 +84,9 @@ def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFix
         (["run", "undamaged", "--dynamics", "quick"], "causal, paper"),
         (["run", "undamaged", "--duration", "nan"], "--duration"),
         (["run", "undamaged", "--duration", "-1"], "--duration"),
-        (["run", "undamaged", "--duration", "soon"], "--duration"),
+        (["run", "undamaged", "--duration", "soon"], "--duration = 'soon' is not a number: give one, alone or with"),
+        (["run", "undamaged", "--duration", "10 m"], "--duration = '10 m' is not in a unit of this quantity"),
+        (["report", "run.mcap", "--threshold", "25 t/s"], "or with one of N, kN, t, kg, MN"),
         (["run", "undamaged", "--out", "/proc/nowhere/run.mcap"], "cannot be written"),
         (["walk"], "invalid choice"),
         ([], "COMMAND"),
@@ -163,9 +165,9 @@ def test_run_writes_tables_by_the_suffix(tmp_path: Path, capsys: pytest.CaptureF
     assert len(rows) == len(read_bag(bag)) == 278
     assert float(rows[-1].split(",")[5]) == read_bag(bag).forces[-1, 0]
     for arguments, words in (
-        (["--out", str(tmp_path / "result.txt")], "ends in .txt, which is no form of results"),
+        (["--out", str(tmp_path / "result.txt")], "ends in .txt, which is not a supported format"),
         (["--out", str(table)], "run.csv exists already"),
-        (["--out", str(tmp_path / "new.csv"), "--snapshots", "1"], "new.csv is a table: options of bags need a bag"),
+        (["--out", str(tmp_path / "new.csv"), "--snapshots", "1"], "new.csv is a table, and you gave options of bags"),
         (["--out", "/proc/run.csv"], "/proc/run.csv cannot be written"),
     ):
         assert main(["run", "undamaged", *arguments]) == 2

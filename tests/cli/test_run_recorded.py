@@ -25,7 +25,7 @@ def test_each_change_of_a_speed_plan_is_in_the_bag_with_its_step(
 ) -> None:
     (tmp_path / "plan.yaml").write_text(PLAN)
     arguments = ["run", str(tmp_path / "plan.yaml"), "--duration", "1.3", "--out", str(tmp_path / "run")]
-    assert main([*arguments, "--split-duration", "1"]) == 0
+    assert main([*arguments, "--split-duration", "1000 ms"]) == 0
     capsys.readouterr()
     assert sorted(file.name for file in (tmp_path / "run").glob("*.mcap")) == ["run_0.mcap", "run_1.mcap"]
     found = read_bag(tmp_path / "run")
@@ -53,17 +53,17 @@ def test_snapshots_of_impacts(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         found = read_bag(path)
         step = int(path.name.rpartition("_")[2])
         assert found.forces[step - int(found.steps[0])].max() > 200e3
-    assert main([*arguments[:-2], "--out", str(tmp_path / "none"), "--snapshots", "0.2", "--threshold", "4e6"]) == 0
+    assert main([*arguments[:-2], "--out", str(tmp_path / "none"), "--snapshots", "0.2", "--threshold", "4 MN"]) == 0
     assert [*(tmp_path / "none").iterdir()] == []
 
 
 @pytest.mark.parametrize(
     ("arguments", "refusal"),
     [
-        (["--split-size", "10"], "--split-size is of a bag: give --out, too"),
-        (["--threshold", "1e5"], "--threshold is of a bag: give --out, too"),
-        (["--out", "run", "--split-size", "10"], "--split-size = 10 bytes is out of range: give 1e+06 bytes at least"),
-        (["--out", "run", "--split-duration", "nan"], "--split-duration = nan is not finite"),
+        (["--split-size", "10"], "--split-size applies to a recording: give --out as well"),
+        (["--threshold", "1e5"], "--threshold applies to a recording: give --out as well"),
+        (["--out", "run", "--split-size", "10"], "--split-size = 10 bytes is out of range: give at least 1e+06 bytes"),
+        (["--out", "run", "--split-duration", "nan"], "--split-duration = 'nan' is not a number"),
         (["--out", "run", "--snapshots", "1e9"], "--snapshots = 1e+09 s is out of range: give the time before"),
         (["--out", "run.mcap", "--max-total-size", "10000000"], "run.mcap is a single file, which cannot be split"),
         (["--out", "run", "--threshold", "-1"], "threshold = -1 N is out of range"),

@@ -1,5 +1,6 @@
 """Ways in: what is shipped, copies to edit, examples of each command, completion by a shell."""
 
+import argparse
 import json
 import os
 import shlex
@@ -25,7 +26,16 @@ LOADS = {
     "vehicles": load_vehicle,
     "wheelsets": load_wheelset,
 }
+PARSER = command_line.command_parser()
+(PARSERS,) = (action.choices for action in PARSER._actions if isinstance(action, argparse._SubParsersAction))
 BIG = ("imported", "trailer_calculix", "mixed", "rail_roughness", "worn_profiles", "scattered_support")
+
+
+def examples(name: str) -> list[str]:
+    """Lines that the help of a command gives as examples."""
+    heading, *lines = PARSERS[name].epilog.splitlines()
+    assert heading == "examples:"
+    return [line.strip() for line in lines]
 
 
 def test_all_kinds_are_listed_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
@@ -68,6 +78,11 @@ def test_what_is_copied_loads(kind: str, name: str, tmp_path: Path, capsys: pyte
     assert load(copy) == load(name)  # type: ignore[operator]
 
 
+@pytest.mark.parametrize("name", shipped.names("wheelsets"))
+def test_every_wheelset_has_the_node_that_the_advice_names(name: str) -> None:
+    assert "A1" in {node.name for node in load_wheelset(name).stress_nodes}
+
+
 def test_a_copy_has_the_name_of_what_is_copied_and_replaces_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -102,15 +117,17 @@ def test_bad_names_are_refused_in_one_line(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("name", command_line.USES)
+@pytest.mark.parametrize("name", sorted({*PARSERS} - {"node"}))
 def test_each_command_has_examples_that_it_takes(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main([name, "--help"])
-    told = capsys.readouterr().out
-    for line in command_line.USES[name]:
-        assert f"  wheelset-track-sim {name} {line}".rstrip() in told.splitlines()
-        own, _ = command_line._split([name, *shlex.split(line)])
-        options = command_line._parser().parse_args(own)
+    lines = examples(name)
+    assert len(lines) > 1
+    assert capsys.readouterr().out.splitlines()[-len(lines) :] == [f"  {line}" for line in lines]
+    for line in lines:
+        _, *given = shlex.split(line)
+        own, _ = command_line._split(given)
+        options = PARSER.parse_args(own)
         for change in getattr(options, "set", None) or ():
             assert change.partition("=")[0] in line
         known = shipped.names("scenarios") + shipped.names("studies")
@@ -119,8 +136,8 @@ def test_each_command_has_examples_that_it_takes(name: str, capsys: pytest.Captu
 
 
 def test_changes_of_the_examples_can_be_used() -> None:
-    given = [shlex.split(line) for line in command_line.USES["run"]]
-    for _, *arguments in given:
+    for line in examples("run"):
+        arguments = shlex.split(line)
         changes = [value for option, value in pairwise(arguments) if option == "--set"]
         load_scenario("flat_fresh", changes)
 

@@ -67,8 +67,8 @@ def test_positions_need_a_speed(tmp_path: Path, capsys: pytest.CaptureFixture[st
     rows = "\n".join(f"{number},98,97" for number in range(100))
     path.write_text(f"position [mm],wheel_1 [kN],wheel_2 [kN]\n{rows}\n")
     assert main(["stress", str(path)]) == 2
-    assert "give the --speed at which it was run" in capsys.readouterr().err
-    assert main(["stress", str(path), "--speed", "20", "--json"]) == 0
+    assert "holds forces over position: give --speed" in capsys.readouterr().err
+    assert main(["stress", str(path), "--speed", "72 km/h", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["step_s"] == pytest.approx(1e-3 / 20)
 
 
@@ -78,8 +78,8 @@ def test_positions_need_a_speed(tmp_path: Path, capsys: pytest.CaptureFixture[st
         (["--nodes", "Z9"], "'Z9' is not a known stress node"),
         (["--wheelset", "x41"], "did you mean x40"),
         (["--speed", "1e9"], "speed = 1e+09 m/s is out of range"),
-        (["--out", "stress.txt"], "is neither .csv nor .mcap"),
-        (["--out", "stress.mcap"], "give the --speed"),
+        (["--out", "stress.txt"], "ends neither in .csv nor in .mcap"),
+        (["--out", "stress.mcap"], "holds the position of each sample: give --speed"),
     ],
 )
 def test_what_cannot_be_used_is_refused(arguments: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -124,7 +124,7 @@ def test_offsets_are_static_loads(tmp_path: Path, capsys: pytest.CaptureFixture[
         "\n".join(["t [s],wheel_1 [kN],wheel_2 [kN]", *(f"{t!r},{a - 102!r},{b - 100!r}" for t, a, b in ROWS)])
     )
     assert main(["stress", str(path)]) == 2
-    assert "static load is missing, as of an AC-coupled amplifier: give --offset" in capsys.readouterr().err
+    assert "static load is missing, as behind an AC-coupled amplifier: give --offset" in capsys.readouterr().err
     assert (
         main(["stress", str(path), "--offset", "100kN", "--offset", "wheel_1 = 102e3", "--nodes", "A1", "--json"]) == 0
     )

@@ -70,7 +70,7 @@ def test_axes_and_datum_of_a_file_do_not_matter(
     datum: float,
     noise: int,
 ) -> None:
-    """Heights that count downwards, y to the track's side, points in the other order, z from anywhere."""
+    """Heights that count downwards, y to the gauge side, points in the other order, z from anywhere."""
     assume(side == "rail" or not 1e-9 < abs(datum) <= 0.0105)  # which is taken as what a wheel has worn
     of = points(side) + np.array([0.0, 1e3 * datum])
     of[:, 1] += 0.002 * np.random.default_rng(noise).standard_normal(len(of))
@@ -148,7 +148,7 @@ def test_a_rail_that_is_worn_at_the_field_side_is_warned_of(
     path = tmp_path_factory.getbasetemp() / "worn.csv"
     right = load_profile("rail", written(path, worn_rail(depth)), "it")
     written(path, worn_rail(depth) * [-1.0, 1.0])
-    with pytest.warns(InputWarning, match=r"as if worn more: give turn: y if y counts to the track's side"):
+    with pytest.warns(InputWarning, match=r"as if worn more: give turn: y if y counts to the gauge side"):
         load_profile("rail", path, "it")
     turned = load_profile("rail", {"file": str(path), "turn": "y"}, "it")
     np.testing.assert_allclose(turned.height([-0.025, 0.01]), right.height([-0.025, 0.01]), atol=1e-9)
@@ -218,7 +218,7 @@ def test_several_wheels_of_a_file_are_chosen_by_name(tmp_path: Path) -> None:
     rows = "\n".join(f"{a};{b};{c}" for a, b, c in zip(y, z, z - 0.4, strict=True))
     path = tmp_path / "both.csv"
     path.write_text(f"y [mm];left [mm];right [mm]\n{rows}\n")
-    with pytest.raises(InputError, match=r"has no column z: give column: .* of y \[mm\], left \[mm\], right \[mm\]"):
+    with pytest.raises(InputError, match=r"has no column z: give column, .*: y \[mm\], left \[mm\], right \[mm\]"):
         load_profile("wheel", path, "it")
     same(load_profile("wheel", {"file": str(path), "column": "left"}, "it"), "wheel")
     right = load_profile("wheel", {"file": str(path), "column": "3"}, "it")
@@ -235,11 +235,11 @@ def test_several_wheels_of_a_file_are_chosen_by_name(tmp_path: Path) -> None:
         ("wheel", "a.csv", "", "it: .*a.csv holds no numbers"),
         ("wheel", "a.csv", "1,2\n3,4\n", "column 1 has no unit"),
         ("wheel", "a.csv", "y_mm,z_inch\n1,2\n", "'z_inch' has no unit|has no column z"),
-        ("wheel", "a.csv", "y_mm,z [inch]\n1,2\n", r"unit of 'z \[inch\]' is no length"),
+        ("wheel", "a.csv", "y_mm,z [inch]\n1,2\n", r"unit of 'z \[inch\]' is not a unit of length"),
         ("wheel", "a.csv", "y_mm,z_mm\n1,2\n3,\n", r"line 3 has no z \[mm\]: give one"),
-        ("wheel", "a.prr", simpack("rail", points("rail")), "is the Simpack file of a rail: give that of a wheel"),
+        ("wheel", "a.prr", simpack("rail", points("rail")), "is the Simpack file of a rail: give the file of a wheel"),
         ("rail", "a.prr", "header.begin", "has no points between point.begin and point.end"),
-        ("rail", "a.prr", "point.begin\n1 two\npoint.end", "is no Simpack profile"),
+        ("rail", "a.prr", "point.begin\n1 two\npoint.end", "is not a Simpack profile"),
         ("wheel", "a.csv", "y_mm,z_m\n-30,28\n" + "".join(f"{k},0\n" for k in range(-28, 60)), "give the unit"),
         ("wheel", "a.csv", "y_mm,z_mm\n" + "".join(f"{k},{0.1 * k}\n" for k in range(-30, 60)), "turn: y, z or both"),
     ],

@@ -116,7 +116,7 @@ def test_gauge_is_measured_14_mm_below_the_top(tangent):
         (np.linspace(-0.03, 0.03, 50), np.full(50, np.nan), "point 0 .* not finite"),
         (np.linspace(0.03, -0.03, 61), np.zeros(61), "does not rise"),
         (np.r_[-0.03, -0.03, np.linspace(-0.029, 0.03, 60)], np.zeros(62), "of point 1 does not rise"),
-        (np.linspace(-0.03, 0.03, 25), np.zeros(25), "apart: give 0.002 m or less"),
+        (np.linspace(-0.03, 0.03, 25), np.zeros(25), "apart: give points at most 0.002 m apart"),
         (np.linspace(-0.02, 0.04, 61), np.zeros(61), "does not cover the running surface"),
     ],
 )

@@ -1,9 +1,25 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from wheelset_track_sim.dynamics.line import LineModel
-from wheelset_track_sim.dynamics.line_bay_kernels import COLUMNS, MIDDLE, NODES, RAIL_MODES, ROWS, correct, predict
-from wheelset_track_sim.dynamics.line_kernels import move
+from wheelset_track_sim.dynamics.line_bay_kernels import (
+    COLUMNS,
+    MIDDLE,
+    NODES,
+    RAIL,
+    RAIL_MODES,
+    ROWS,
+    STATES,
+    A,
+    LineParts,
+    R,
+    U,
+    V,
+    advance_rails,
+)
+from wheelset_track_sim.dynamics.line_kernels import Bays, move
 from wheelset_track_sim.dynamics.line_steps import RESOLVED, SHORT
 from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.simulation.models import load_models
@@ -11,22 +27,36 @@ from wheelset_track_sim.simulation.models import load_models
 DX, STATIC = 1e-3, 98.1e3
 
 
-def turned(omega_dt: np.ndarray, steps: int) -> np.ndarray:
-    """Deflections (steps, modes) of oscillators that begin at 1 and at rest, stepped as the bays are."""
-    W = np.zeros(ROWS * COLUMNS)
-    W[: len(omega_dt)] = omega_dt
-    u, v, a, found = np.ones_like(W), np.zeros_like(W), -(W**2), []
-    for _ in range(steps):
-        found.append(u[: len(omega_dt)].copy())
-        predict(u, v, a, 1.0)
-        a = -(W**2) * u / (1 + W**2 / 12)
-        correct(u, v, a, 1.0)
+NOTHING = LineParts(
+    bend=0.0,
+    shear=np.zeros(3),
+    coupling=np.zeros((2, RAIL_MODES)),
+    nodes=np.zeros((0, 0)),
+    shares=np.zeros((2, 0)),
+    turn=0.0,
+    losses=np.zeros(2 * COLUMNS),
+    shapes=np.zeros((1, 6 + 2 * RAIL_MODES)),
+)
+
+
+def turned(omega: np.ndarray, periods: np.ndarray) -> np.ndarray:
+    """Deflections (steps, modes) of oscillators that begin at 1 and at rest, in steps of ``periods`` s, as nodes do."""
+    W = np.zeros(4 * COLUMNS)
+    W[: len(omega)] = omega
+    motion = np.zeros(ROWS * COLUMNS)
+    u, v, a = (motion[row * COLUMNS : (row + 4) * COLUMNS] for row in (U, V, A))
+    dt = periods[0]
+    u[:], v[:], found = 1 - 5 / 12 * (dt * W) ** 2, -dt / 2 * W**2, [np.ones(len(omega))]
+    for now, coming in pairwise(periods):
+        a[:] = -(W**2) * u / (1 + (now * W) ** 2 / 12)
+        found.append((u + now**2 / 12 * a)[: len(omega)])
+        advance_rails(NOTHING, np.zeros(RAIL_MODES), np.ones(RAIL_MODES), now, coming, motion)
     return np.array(found)
 
 
 def test_the_period_errs_by_the_fourth_power_of_the_step() -> None:
     W = np.array([0.2, 0.4, 0.8])
-    found = turned(W, 2000)
+    found = turned(W, np.ones(2000))
     theta = W * (1 + W**4 / 480)
     assert found == pytest.approx(np.cos(np.outer(np.arange(2000), theta)), abs=0.1)
     assert np.abs(found[-1] - np.cos(1999 * W))[2] > 0.5  # the oscillator itself is elsewhere by then
@@ -34,9 +64,16 @@ def test_the_period_errs_by_the_fourth_power_of_the_step() -> None:
 
 
 def test_the_step_is_stable_up_to_the_root_of_six() -> None:
-    found = np.abs(turned(np.sqrt([5.9, 5.999, 6.01]), 2000)).max(axis=0)
+    found = np.abs(turned(np.sqrt([5.9, 5.999, 6.01]), np.ones(2000))).max(axis=0)
     assert found[:2].max() < 1.01
     assert found[2] > 1e6
+
+
+def test_a_step_of_another_length_goes_on_with_the_motion() -> None:
+    """Steps that change their length once, and those that had it from the start."""
+    omega, periods = np.array([0.05, 0.1, 0.2]), np.repeat([1.0, 1.5], 300)
+    time = np.concatenate([[0.0], np.cumsum(periods[:-1])])
+    assert turned(omega, periods) == pytest.approx(np.cos(np.outer(time, omega)), abs=5e-3)
 
 
 @pytest.mark.slow
@@ -65,15 +102,20 @@ def test_a_step_is_newmarks_with_the_whole_matrices(base: str, speed: float) -> 
     modes = (np.arange(count)[:, None] * n + 4 + np.arange(2 * m)).ravel()
     M[modes, modes] += np.tile(raised - 1.0, 2 * count)
 
-    def whole(rows: np.ndarray) -> np.ndarray:
-        values = np.zeros((count, n))
-        values[:NODES] = rows.reshape(ROWS, COLUMNS)[:n, :NODES].T
-        return values
+    def predictor(bays: Bays) -> tuple[np.ndarray, np.ndarray]:
+        """u* and v* (count, n) of all bays."""
+        rows, u, v = bays.motion.reshape(ROWS, COLUMNS), np.zeros((count, n)), np.zeros((count, n))
+        u[:NODES, :RAIL], v[:NODES, :RAIL] = rows[U : U + RAIL, :NODES].T, rows[V : V + RAIL, :NODES].T
+        if n > RAIL:
+            around = (bays.at[0] - MIDDLE + np.arange(NODES)) % count
+            x = np.einsum("bij,jb->bi", bays.steps.shapes[around], rows[R : R + STATES, :NODES])
+            u[:NODES, RAIL:], v[:NODES, RAIL:] = x[:, : n - RAIL], x[:, n - RAIL :] / dt
+        return u, v
 
     dampers = np.zeros((count, n))
     dampers[:NODES, :4] = bays.parts.losses.reshape(2, COLUMNS)[[0, 1, 0, 1], :NODES].T
-    velocity = whole(bays.velocity)
-    load = -K @ whole(bays.deflection).ravel() - C @ velocity.ravel() - (dampers * velocity).ravel()
+    deflection, velocity = predictor(bays)
+    load = -K @ deflection.ravel() - C @ velocity.ravel() - (dampers * velocity).ravel()
     places = len(bays.parts.shapes)
     place = step + places // 2 - bays.at[0] * places
     shape = bays.parts.shapes[place]
@@ -87,10 +129,11 @@ def test_a_step_is_newmarks_with_the_whole_matrices(base: str, speed: float) -> 
 
     coming, compliance = bays.coming[1].copy(), bays.rail_compliance[0]
     residual = bays.steps.own[place] - dt**2 / 12 * (shape[6:] ** 2 / np.tile(inertia, 2)).sum()
-    at_step = whole(bays.deflection) + dt**2 / 12 * expected
+    at_step = deflection + dt**2 / 12 * expected
     move(bays, step + 1, *forces)
     near = slice(MIDDLE - 12, MIDDLE + 13)  # the chain of the bays ends, the ring of the matrices does not
-    assert np.abs(whole(bays.acceleration) - expected)[near].max() < 1e-9 * np.abs(expected).max()
+    found = (predictor(bays)[1] - velocity) / dt
+    assert np.abs(found - expected)[near].max() < 1e-9 * np.abs(expected).max()
     for rail in range(2):
         ends = at_step[MIDDLE - 1 : MIDDLE + 2, 2 * rail : 2 * rail + 2].ravel()
         inside = at_step[MIDDLE - 1 : MIDDLE + 1, 4 + m * rail : 4 + m * (rail + 1)].ravel()

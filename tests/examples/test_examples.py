@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from support.paths import ROOT
+from support.paths import OLD_BAG, ROOT
 
 EXAMPLES = ROOT / "examples"
 
@@ -39,9 +39,35 @@ def test_receptances(run):
 @pytest.mark.slow
 def test_bag_to_pandas(run, tmp_path):
     pytest.importorskip("pandas")
-    names, _ = run("bag_to_pandas.py", ROOT / "tests" / "data" / "damage_wheel_1_of_0_1.mcap")
+    names, _ = run("bag_to_pandas.py", OLD_BAG)
     assert names["frame"]["wheel_1"].max() == pytest.approx(275.5e3, rel=1e-3)
     assert "wheel_1,2754" in (tmp_path / "peaks.csv").read_text()
+
+
+@pytest.mark.slow
+def test_green_functions(run, tmp_path):
+    names, printed = run("green_functions.py")
+    assert 1e3 * names["deflection"].max() == pytest.approx(0.399, rel=2e-3)
+    assert printed.startswith("above a sleeper: 0.38 mm after 1.1 ms\n")
+    assert (tmp_path / "green_functions.npz").stat().st_size > 10_000
+
+
+def test_bag_to_xarray(run, tmp_path):
+    pytest.importorskip("xarray")
+    tables = pytest.importorskip("pyarrow.parquet")
+    names, printed = run("bag_to_xarray.py", OLD_BAG)
+    assert names["highest"] == pytest.approx(88.9, rel=1e-3)
+    assert printed.endswith("3000 steps of forces, in N\n")
+    forces = tables.read_table(tmp_path / f"{OLD_BAG.stem}.parquet")["wheel_1"].to_numpy()
+    assert forces.max() == pytest.approx(275.5e3, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_study_with_dask(run):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as here:
+        _, printed = run("study_with_dask.py", here.scheduler_address)
+    assert printed == "30 mm: 199 kN, 76.4 MPa\n50 mm: 274 kN, 88.0 MPa\n"
 
 
 def test_pair_launches_two_wheelsets(monkeypatch):

@@ -125,6 +125,7 @@ class Ride:
     load: float = quantity("N", 2e4, 4e5, "the load", default=1e5, usual=(4e4, 4e5))
     depth: float | None = quantity("m", 0.0, 0.01, "the depth", default=None)
     count: int = quantity("", 1, 300, "the count", default=1)
+    share: float = quantity("", 0.0, 1.0, "the share", default=0.5)
 
 
 def ride(**given: object) -> Ride:
@@ -177,9 +178,16 @@ def test_a_number_that_looks_like_another_unit_is_reported(given: dict[str, obje
         ({"speed": "30 N"}, "is not in a unit of this quantity: give a number alone, which is in m/s, or with one of"),
         ({"load": "30 m"}, "or with one of N, kN, t, kg, MN (t and kg times 9.81 m/s^2)"),
         ({"count": "2.5"}, "ride.count = 2.5 is not of type int"),
+        ({"share": 30}, "ride.share = 30 is out of range: give the share from 0 to 1; 30 % would be 0.3"),
     ],
 )
 def test_refusals_name_the_other_unit(given: dict[str, object], told: str) -> None:
     with pytest.raises(InputError) as refusal:
         ride(**given)
     assert told in str(refusal.value)
+
+
+@pytest.mark.parametrize("given", [{"speed": -160}, {"depth": -2}, {"share": -1}, {"count": -1}, {"count": 2000}])
+def test_refusals_name_no_unit_that_does_not_help(given: dict[str, object]) -> None:
+    with pytest.raises(InputError, match=r" is out of range: give the \w+ from \S+ to \S+( m| m/s)?$"):
+        ride(**given)

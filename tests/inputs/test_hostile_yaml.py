@@ -108,9 +108,9 @@ def test_aliases_in_what_is_trusted_are_bounded(tmp_path: Path) -> None:
     ("change", "reason"),
     [
         ({"scenario": 5}, "scenario = 5 is neither a name, nor a file"),
-        ({"set": {5: 1}}, "set: 5 is not a text, and scenario keys are"),
+        ({"set": {5: 1}}, "set: 5 is not text, and scenario keys must be"),
         ({"vary": 5}, "vary = 5 is not a mapping of scenario keys"),
-        ({"vary": {"size": {"A": {7: 1}}}}, r"vary\.size\.A: 7 is not a text"),
+        ({"vary": {"size": {"A": {7: 1}}}}, r"vary\.size\.A: 7 is not text"),
     ],
 )
 def test_a_study_needs_names_where_names_belong(change: dict[str, Any], reason: str) -> None:

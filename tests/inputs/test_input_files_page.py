@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.paths import ROOT
-from wheelset_track_sim.cli.command_line import _parser
+from wheelset_track_sim.cli.command_line import command_parser
 from wheelset_track_sim.contact import orientation, profile_files
 from wheelset_track_sim.contact.named_profiles import load_profile
 from wheelset_track_sim.inputs.tables import COMMENTS
@@ -44,7 +44,7 @@ def test_keys_are_all_there() -> None:
 def test_options_are_all_there() -> None:
     options = set()
     for command in ("compare", "stress"):
-        actions = _parser()._subparsers._group_actions[0].choices[command]._actions
+        actions = command_parser()._subparsers._group_actions[0].choices[command]._actions
         options |= {action.option_strings[0] for action in actions if action.option_strings}
     named = set(re.findall(r"`(--\w+)[ `=]", "".join(rows("Measured loads"))))
     assert named == options - {

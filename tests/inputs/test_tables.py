@@ -176,9 +176,9 @@ def test_units_are_asked_for_and_not_contradicted(tmp_path: Path) -> None:
     assert found.size(y, "length", "um") == 1e-6
     with pytest.raises(InputError, match=r"'y' has no unit: write y \[m\] above it"):
         found.size(y, "length")
-    with pytest.raises(InputError, match=r"'z \[mm\]' is in mm, and m is given"):
+    with pytest.raises(InputError, match=r"'z \[mm\]' in mm, but you gave m"):
         found.size(z, "length", "m")
-    with pytest.raises(InputError, match=r"unit of 'F \[kN\]' is no length: give m, mm"):
+    with pytest.raises(InputError, match=r"unit of 'F \[kN\]' is not a unit of length: give m, mm"):
         found.size(force, "length")
     with pytest.raises(InputError, match=r"no column 'x' for the heights: give one of y, z \[mm\], F \[kN\]"):
         found.chosen("x", "the heights")

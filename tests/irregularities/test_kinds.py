@@ -181,7 +181,7 @@ def test_a_cluster_is_drawn_from_its_distributions():
     one_by_one = tread_heights(drawn, "wheel_1", N_C, DX, Y)
     assert (tread_heights([cluster], "wheel_1", N_C, DX, Y) == one_by_one).all()
     assert [*breakouts([cluster, Breakout("wheel_2", 0.01, 0.01, 1e-4)])][:-1] == [*drawn]
-    with pytest.raises(InputError, match=r"none of 1000 draws is a breakout, the last for a = 3 m"):
+    with pytest.raises(InputError, match=r"none of 1000 random draws is a valid breakout; the last one: a = 3 m"):
         dataclasses.replace(cluster, a=Uniform(3.0, 3.0))
     with pytest.raises(InputError, match=r"h = 1 m is out of range"):
         dataclasses.replace(cluster, h=1.0)
@@ -234,7 +234,7 @@ def test_corrugation_stands_on_its_stretch_or_all_along():
     assert np.sort(waves)[-2] < 1e-6 * waves.max()
     with pytest.raises(InputError, match=r"ramp = 3 m at both ends is more than length = 4 m"):
         dataclasses.replace(part, ramp=3.0)
-    with pytest.raises(InputError, match=r"start = 2 m is that of a stretch without a length: give its length, or no"):
+    with pytest.raises(InputError, match=r"start = 2 m needs a length: give the length of the stretch, or leave start"):
         dataclasses.replace(part, length=None)
 
 

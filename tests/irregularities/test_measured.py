@@ -109,11 +109,15 @@ def test_every_form_of_table_is_the_same_tread(tmp_path_factory, form):
         ("angle_deg,links_um,rechts_um", {}, r"has angle \[deg\], links \[um\], rechts \[um\]: give column"),
         ("angle,wheel_1,wheel_2", {}, "'angle' has no unit: give along: rad, deg, m or mm, or write it"),
         ("angle_deg,wheel_1,wheel_2", {}, "'wheel_1' has no unit: give height: m, mm or um"),
-        ("angle_deg,wheel_1_um,wheel_2_um", {"height": "mm"}, r"'wheel_1 \[um\]' is in um, and mm is given"),
-        ("angle_deg,wheel_1_um,wheel_2_um", {"along": "m"}, r"unit of 'angle \[deg\]' is no length"),
-        ("angle_deg,wheel_1_kN,wheel_2_um", {}, r"unit of 'wheel_1 \[kN\]' is no length"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"height": "mm"}, r"'wheel_1 \[um\]' in um, but you gave mm"),
+        ("angle_deg,wheel_1_um,wheel_2_um", {"along": "m"}, r"unit of 'angle \[deg\]' is not a unit of length"),
+        ("angle_deg,wheel_1_kN,wheel_2_um", {}, r"unit of 'wheel_1 \[kN\]' is not a unit of length"),
         ("angle_deg,wheel_1_um,wheel_2_um", {"column": "wheel_3"}, "has no column 'wheel_3' for the heights"),
-        ("angle_deg,wheel_1_um,wheel_2_um", {"column": "angle"}, "holds the positions along: give that of the heights"),
+        (
+            "angle_deg,wheel_1_um,wheel_2_um",
+            {"column": "angle"},
+            "holds the longitudinal positions: give the column of the heights",
+        ),
         ("", {"along": "deg", "height": "um"}, "has column 1, column 2, column 3: give column"),
     ],
 )
@@ -139,7 +143,7 @@ def test_columns_named_by_positions_are_a_table_over_them(tmp_path):
         found = Profile("wheel_1", str(tmp_path / name), height="um").samples
         assert found.across.tolist() == [-0.005, 0.0, 0.005]
         assert np.array_equal(found.values[:, 2], (3 * TREADS[:, 1]) * 1e-6)
-        with pytest.raises(InputError, match="one column for each position across: give height: m, mm or um"):
+        with pytest.raises(InputError, match="one column for each lateral position: give height: m, mm or um"):
             Profile("wheel_1", str(tmp_path / name))
 
 
@@ -154,7 +158,7 @@ def test_other_units_become_metres(tmp_path):
 
 
 def test_heights_in_another_unit_are_warned_of(tmp_path):
-    with pytest.warns(InputWarning, match=r"has heights within 2e-08 m, less than any surface: check the unit"):
+    with pytest.warns(InputWarning, match=r"has heights within 2e-08 m, smoother than any real surface: check height"):
         on_wheel(csv(tmp_path / "tread.csv", TREADS[:, :2] * [1.0, 1e-3]), along="deg", height="um")
 
 
@@ -236,9 +240,12 @@ def test_what_cannot_be_used_is_refused_in_one_line(tmp_path):
         ({"file": str(tmp_path / "large.npy")}, "holds 200002 numbers: give 200000 at most"),
         ({"file": twice}, "two samples at"),
         ({"along": "inch"}, "along = 'inch' is not a known unit"),
-        ({"on": "rail_1"}, "along = rad is not of rails"),
-        ({"on": "rail_1", "along": "m", "angle": 1.0}, "angle is of wheels: leave it out for rail_1, and give start"),
-        ({"start": 3.0}, "start and repeat are of rails"),
+        ({"on": "rail_1"}, "along = rad applies to wheels only"),
+        (
+            {"on": "rail_1", "along": "m", "angle": 1.0},
+            "angle applies to wheels only: leave it out for rail_1, and give start",
+        ),
+        ({"start": 3.0}, "start and repeat apply to rails only"),
     ):
         with pytest.raises(InputError, match=words) as refusal:
             Profile(**{"on": "wheel_1", "file": good, "along": "rad", "height": "m"} | options)

@@ -110,7 +110,7 @@ def test_it_works_on_the_command_line_and_in_bags(installed, tmp_path):
     ("source", "words"),
     [
         ("raise RuntimeError('broken')", r"cannot be imported \(RuntimeError\('broken'\)\)"),
-        ("class Odd: pass", "is no dataclass of that type"),
+        ("class Odd: pass", "is not a dataclass of that type"),
         ("from dataclasses import dataclass\n@dataclass\nclass Odd:\n    type = 'odd'", "needs a field on"),
     ],
 )

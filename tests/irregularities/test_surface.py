@@ -17,6 +17,7 @@ from wheelset_track_sim.irregularities import (
     rail_heights,
     tread_heights,
 )
+from wheelset_track_sim.irregularities.surface import distinct_rows
 
 N_C, DX = 2713, 0.001
 Y = np.arange(-20, 21) * 0.001
@@ -108,8 +109,21 @@ def test_the_line_is_as_long_as_is_told_or_needed():
     assert line_steps([dataclasses.replace(HOLLOW, position=61.0)], None, DX) == 120_000
     assert line_steps([HOLLOW], 30.0, DX) == 30_000
     with pytest.raises(
-        InputError, match=r"rails reach to 99000 m, and rails repeat after 5000 m at most: give positions"
+        InputError, match=r"rails reach to 99000 m, and rails repeat after at most 5000 m: give positions"
     ):
         line_steps([dataclasses.replace(HOLLOW, position=99_000.0)], None, DX)
-    with pytest.raises(InputError, match=r"line_length = 30\.0005 m is no whole number of steps .* give 30"):
+    with pytest.raises(InputError, match=r"line_length = 30\.0005 m is not a whole number of steps .* give 30"):
         line_steps([HOLLOW], 30.0005, DX)
+
+
+@pytest.mark.parametrize(
+    ("rows", "kept", "number"),
+    [
+        ([[1, 2], [0, 0], [1, 2], [0, -0.0], [3, 0]], [[1, 2], [0, 0], [3, 0]], [0, 1, 0, 1, 2]),
+        ([[0, 0], [0, 0]], [[0, 0]], [0, 0]),
+        ([[5, 1], [5, 2]], [[5, 1], [5, 2]], [0, 1]),
+    ],
+)
+def test_rows_are_numbered_as_they_come(rows, kept, number):
+    found, numbers = distinct_rows(np.array(rows, float))
+    assert (found.tolist(), numbers.tolist()) == (kept, number)

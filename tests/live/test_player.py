@@ -78,6 +78,48 @@ class Session:
         return [item.time_ns - START for _, item, _ in self.out]
 
 
+class Ready:
+    """Not ready a number of times; does something to the player when it is asked for the second time."""
+
+    def __init__(self, session, after, action=lambda player: None):
+        self.session, self.left, self.action = session, after, action
+        self.asked = []
+
+    def __call__(self):
+        self.asked.append(self.session.player.paused)
+        self.session.clock.time += 1.0
+        if len(self.asked) == 2:
+            self.action(self.session.player)
+        self.left -= 1
+        return self.left < 0
+
+
+def test_it_is_held_until_it_is_ready():
+    session = Session(Tape([0, 100 * MS]))
+    ready = Ready(session, after=3)
+    session.player.run(ready)
+    assert ready.asked == [True] * 4  # paused meanwhile
+    assert [now for now, _, _ in session.out] == pytest.approx([4.0, 4.1])
+    assert [played for _, _, played in session.out] == [0, 100 * MS]
+    assert session.ends == [None]
+
+
+def test_what_is_told_to_start_paused_waits_for_nothing_else():
+    session = Session(Tape([0, 100 * MS]), start_paused=True)
+    ready = Ready(session, after=3)
+    session.player.run(ready)
+    assert (ready.asked, session.out) == ([], [])
+
+
+@pytest.mark.parametrize(("action", "played"), [("pause", 0), ("resume", 2), ("toggle", 2), ("stop", 0)])
+def test_a_command_ends_the_wait(action, played):
+    session = Session(Tape([0, 100 * MS]))
+    ready = Ready(session, after=100, action=lambda player: getattr(player, action)())
+    session.player.run(ready)
+    assert len(ready.asked) == 2
+    assert len(session.out) == played
+
+
 times = st.lists(st.integers(0, 20_000 * MS), min_size=1, max_size=30).map(sorted)
 rates = st.floats(0.01, 100.0)
 

@@ -113,7 +113,7 @@ def test_one_bag_at_a_time(recorder, tmp_path, run_blocks):
         begin(recorder, tmp_path / "run")
     assert recorder.path == ""
     assert recording_status(recorder.figures).level == Level.ERROR
-    assert recording_status(recorder.figures).message.startswith(f"not begun: {tmp_path / 'run'} exists already")
+    assert recording_status(recorder.figures).message.startswith(f"not started: {tmp_path / 'run'} exists already")
     begin(recorder, tmp_path / "other")
     assert (recording_status(recorder.figures).level, recording_status(recorder.figures).message) == (
         Level.OK,

@@ -44,7 +44,7 @@ def test_the_suffix_says_the_form_and_the_same_figure_makes_the_same_file(tmp_pa
     first, second = written("first"), written("second")
     assert first.startswith(begins)
     assert first == second
-    with pytest.raises(InputError, match=r"out.gif is no picture: give a name that ends in .png, .svg, .pdf"):
+    with pytest.raises(InputError, match=r"out.gif is not a picture: give a name that ends in .png, .svg, .pdf"):
         check_picture(tmp_path / "out.gif")
 
 

@@ -197,7 +197,7 @@ def test_a_report_goes_into_a_page_and_nowhere_else(make_bag, tmp_path, capsys, 
     bag = make_bag(tmp_path / "run.mcap", "undamaged", 1.0, ())
     content = bag.read_bytes()
     assert main(["report", str(bag), "--out", str(tmp_path / name)]) == 2
-    assert f"{name} is no page: give a name that ends in .html" in capsys.readouterr().err
+    assert f"{name} is not a page: give a name that ends in .html" in capsys.readouterr().err
     assert bag.read_bytes() == content
     assert [*tmp_path.iterdir()] == [bag]
 
@@ -251,7 +251,7 @@ def test_without_bokeh_there_is_one_line(make_bag, tmp_path, monkeypatch, capsys
     monkeypatch.setitem(sys.modules, "bokeh.embed", None)
     assert main(["report", str(bag)]) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert "the page needs bokeh, which is not here: run make setup, or pip install bokeh" in line
+    assert "the page needs bokeh, which is not installed: run make setup, or pip install bokeh" in line
 
 
 @pytest.mark.slow

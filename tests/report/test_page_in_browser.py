@@ -37,6 +37,12 @@ INK = """(plot) => { const canvases = (node) => [...node.querySelectorAll("*")].
     const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height)
     return data.filter((value, at) => at % 4 === 3 && value > 0).length }) }"""
 """Pixels that are drawn in each canvas of a plot; a legend's patch of colour is a canvas, too, but a small one."""
+TOOLTIPS = """() => { const within = (node) => [...node.querySelectorAll("*")].flatMap((element) =>
+    [element, ...(element.shadowRoot ? within(element.shadowRoot) : [])])
+  return within(document).filter((element) => element.classList.contains("bk-Tooltip") && element.checkVisibility())
+    .map((element) => within(element.shadowRoot).filter((row) => row.classList.contains("bk-tooltip-row-label"))
+      .map((label) => label.textContent.trim() + label.nextElementSibling.textContent.trim()).join("; ")) }"""
+"""Rows of each tooltip that is shown."""
 AXIS_COLOUR = """() => [...Bokeh.documents[0].roots()[0].references()]
   .find((model) => model.type === "LinearAxis").major_label_text_color"""
 
@@ -115,9 +121,9 @@ def test_all_plots_are_drawn_and_nothing_overflows(opened, pages, name, device):
         box = page.locator(f"#{plot}").bounding_box()
         assert box["width"] > 0.8 * min(width, 640)
         ink = [pixels for pixels in page.locator(f"#{plot}").evaluate(INK) if pixels]
-        assert len(ink) == (1 if plot == "pressure-plot" else 2)
+        assert len(ink) == {"time-plots": 4, "pressure-plot": 1, "spectrum-plots": 2}[plot]
         assert min(ink) > 1000
-    assert len(page.evaluate(FIGURES)) == 5
+    assert len(page.evaluate(FIGURES)) == 7
 
 
 def test_no_peak_is_lost_when_all_is_shown(opened, pages):
@@ -145,8 +151,8 @@ def test_a_drag_zooms_all_time_plots_and_reset_goes_back(opened, pages):
     after = page.evaluate(FIGURES)
     whole, zoomed = before[0], after[0]
     assert 0 < zoomed[1] - zoomed[0] < 0.3 * (whole[1] - whole[0])
-    # both time plots have the new range; the spectra and the pressure keep theirs
-    assert [now == zoomed for now in after] == [was == whole for was in before] == [True, True, False, False, False]
+    # all time plots have the new range; the spectra and the pressure keep theirs
+    assert [now == zoomed for now in after] == [was == whole for was in before] == [True] * 4 + [False] * 3
     assert [now for now in after if now != zoomed] == [was for was in before if was != whole]
     assert all(now != was for now, was in zip(page.locator("#time-plots").evaluate(INK), ink, strict=True) if was)
     shown = page.evaluate(SHOWN)
@@ -248,6 +254,35 @@ def brightness(colour: str) -> float:
     if colour.startswith("#"):
         return float(np.mean([int(colour[at : at + 2], 16) for at in (1, 3, 5)]))
     return float(np.mean([float(part) for part in colour[colour.index("(") + 1 : -1].split(",")[:3]]))
+
+
+def test_the_mouse_reads_the_curves_from_anywhere_over_them(opened, pages):
+    page = opened(pages["damaged"], **LAPTOP)
+    page.locator("#time-plots").scroll_into_view_if_needed()
+    box = page.locator("#time-plots").bounding_box()
+    for y, said in ((120, ["wheel 1:100.0 kN", "wheel 2:90.0 kN"]), (400, ["A1:60.0 MPa"]), (570, ["B1:50.0 MPa"])):
+        page.mouse.move(box["x"] + 600, box["y"] + y)
+        page.wait_for_function(f"({TOOLTIPS})().some((text) => text.includes({said[0]!r}))")
+        (shown,) = page.evaluate(TOOLTIPS)
+        assert all(text in shown for text in said)
+        assert "time:" in shown
+        page.mouse.move(5, 5)
+        page.wait_for_function(f"({TOOLTIPS})().length === 0")
+
+
+@pytest.mark.parametrize("width", [1366, 900, 390])
+def test_plots_fit_on_paper(opened, pages, width):
+    page = opened(pages["damaged"], viewport={"width": width, "height": 844})
+    sizes = page.locator(".plot").evaluate_all("(plots) => plots.map((plot) => plot.firstElementChild.offsetWidth)")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    page.set_viewport_size({"width": 703, "height": 1000})  # A4 with margins of 12 mm
+    drawn = "(plots) => plots.map((plot) => plot.firstElementChild.getBoundingClientRect().right)"
+    assert page.locator(".plot").evaluate_all(drawn) == pytest.approx([min(690, size) for size in sizes], abs=1)
+    assert page.evaluate("document.documentElement.scrollWidth") == 703
+    page.emulate_media(media="screen")
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.locator(".plot").evaluate_all("(plots) => plots.map((plot) => plot.style.cssText)") == [""] * 3
 
 
 def test_it_prints_on_paper(opened, pages, tmp_path):

@@ -107,6 +107,17 @@ def test_terminal_table_reads_well(make_survey):
         assert part in text
 
 
+def test_bending_amplitudes_are_of_the_bending_stress_without_its_mean(make_survey):
+    amplitudes = {"A1": 60.0, "B1": 50.0, "C1": 40.0}  # of stresses that do not vary at the top
+    given = ["loads={stresses: [{node: A1, yy: 20e6}]}"]
+    for changes, bending in (([], amplitudes), (given, amplitudes | {"A1": 40.0})):
+        found = by_label(make_survey("undamaged", changes))
+        for node, of in bending.items():
+            assert found[f"Bending amplitude {node}"].cells() == (f"{of:.1f} MPa", "", "", "")
+    for unknown in ({"changes": ["loads={press_fit: {wheels: 1e-4}}"]}, {"known": False}):
+        assert not any("amplitude" in label for label in by_label(make_survey("undamaged", **unknown)))
+
+
 def test_a_range_of_speeds_is_told(make_survey):
     run = make_survey("undamaged", revisions=[(3000, ["speed=30"])])
     assert description(run).startswith("100 to 108 km/h, axle load 20 t")

@@ -17,7 +17,17 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 OK, WARN, ERROR, STALE = b"\x00", b"\x01", b"\x02", b"\x03"
 NODE = "wheelset_track_sim"
-SUBJECTS = {"simulation", "recording", "wheel_1", "wheel_2", "stress A1", "stress B1", "stress C1", "pacing"}
+SUBJECTS = {
+    "simulation",
+    "recording",
+    "services",
+    "wheel_1",
+    "wheel_2",
+    "stress A1",
+    "stress B1",
+    "stress C1",
+    "pacing",
+}
 STATIC = load_scenario("damage_wheel_1").wheel_load
 TURN = 2713
 
@@ -175,7 +185,11 @@ def test_progress_of_the_models_and_the_lifecycle_are_told(start, client, diagno
     assert client.transition("deactivate")
     assert client.transition("cleanup")
     assert diagnostics.until("simulation", lambda status: status.message == "unconfigured")
-    assert {status.name.partition(": ")[2] for status in diagnostics.found[-1][1].status} == {"simulation", "recording"}
+    assert {status.name.partition(": ")[2] for status in diagnostics.found[-1][1].status} == {
+        "simulation",
+        "recording",
+        "services",
+    }
     assert node.signal(signal.SIGINT) == 0, node.errors
     assert "Traceback" not in node.errors
 
@@ -200,7 +214,7 @@ def test_a_bag_that_cannot_be_written_any_more_is_an_error(start, client, diagno
     assert diagnostics.until("recording", lambda status: status.message == f"to {tmp_path / 'full'}").level == OK
     written = sum(file.stat().st_size for file in (tmp_path / "full").iterdir())
     resource.prlimit(node.process.pid, resource.RLIMIT_FSIZE, (written + 100_000, resource.RLIM_INFINITY))
-    assert "ended before its time" in diagnostics.until("recording", level(ERROR)).message
+    assert "ended early" in diagnostics.until("recording", level(ERROR)).message
     seen = len(forces)
     client.until(lambda: len(forces) > seen + 3)  # the stream is worth more than the bag
 

@@ -67,8 +67,8 @@ def test_bounds_and_snapshots_as_parameters_say(start, client, recordings, tmp_p
     recordings.run_on(2.5)
     refused = client.set(record__max_size=5)
     assert not refused.successful
-    assert refused.reason == "record.max_size = 5 bytes is out of range: give 1e+06 bytes at least, or 0 for none"
-    assert "record in snapshot mode" in recordings.trigger("take_snapshot").message
+    assert refused.reason == "record.max_size = 5 bytes is out of range: give at least 1e+06 bytes, or 0 for no limit"
+    assert "set record.mode to snapshot" in recordings.trigger("take_snapshot").message
     assert recordings.trigger("stop_recording").success
     parts = sorted((tmp_path / "parts").glob("*.mcap"))
     assert len(parts) >= 3
@@ -161,7 +161,7 @@ def test_a_bag_that_is_taken_away_is_told(start, recordings, tmp_path):
     recordings.run_on(0.2)
     assert recordings.trigger("stop_recording").success
     assert "exists already" in recordings.start("run").message
-    recordings.until_failed("not begun: ")
+    recordings.until_failed("not started: ")
     assert len(read_bag(tmp_path / "run")) > 5000
 
 

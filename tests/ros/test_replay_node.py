@@ -285,7 +285,11 @@ BAD = {
     "stamps": (["BAG", "--stamps", "later"], "stamps = later is not known: give one of original, now", 2),
     "offset": (["BAG", "--start-offset", "5"], "start_offset = 5 s is after the end of the bag", 2),
     "prefix": (["BAG", "--prefix", "not a name"], "prefix = not a name", 2),
-    "two clocks": (["BAG", "--publish-clock", "--ros-args", "-p", "use_sim_time:=true"], "use_sim_time = true", 2),
+    "two clocks": (
+        ["BAG", "--publish-clock", "--ros-args", "-p", "use_sim_time:=true"],
+        "use_sim_time and publish_clock cannot both be true",
+        2,
+    ),
     "option": (["BAG", "--speed", "2"], "unrecognized arguments: --speed 2", 2),
     "ros": (["BAG", "--ros-args", "--what"], "arguments of ROS", 2),
 }

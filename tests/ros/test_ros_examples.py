@@ -31,14 +31,17 @@ def example(domain):
 
 
 def test_subscriber_alarm_and_parameter_client(start, example):
-    subscriber, alarm = example("subscriber.py"), example("alarm.py", "220")
+    subscriber, alarm, state = example("subscriber.py"), example("alarm.py", "220"), example("state.py")
     start(scenario="damage_wheel_1")
     assert "kN  A1 " in subscriber.stdout.readline()
     assert alarm.stdout.readline().startswith("ALARM wheel 1: ")
+    assert state.stdout.readline() == "revision 0: damage_wheel_1, 1 breakouts\n"
+    late = example("state.py")
+    assert late.stdout.readline() == "revision 0: damage_wheel_1, 1 breakouts\n"
     client = example("set_damage.py", "0.5")
     assert "revision 1" in client.communicate(timeout=120)[0]
     assert client.returncode == 0
-    for process in (subscriber, alarm):
+    for process in (subscriber, alarm, state, late):
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
         assert process.returncode == 0

@@ -84,7 +84,7 @@ def test_parameters_of_no_known_type_are_answered(start, client, forces):
     assert not client.call("set_parameters_atomically", SetParametersAtomically, parameters=odd).result.successful
     assert client.set(speed=30.0).successful  # the node serves on
     end(node)
-    assert "set_parameters is refused: 99 is not a valid" in node.errors + node.output
+    assert "set_parameters is rejected: 99 is not a valid" in node.errors + node.output
 
 
 def test_commands_by_topic_lead_to_the_same_revisions(start, client, forces, states):
@@ -108,7 +108,7 @@ def test_commands_by_topic_lead_to_the_same_revisions(start, client, forces, sta
     assert client.get("speed", "wheel_2.damage.h") == [30.0, SIZE_B["h"]]
     assert_gap_free(forces)
     end(node)
-    assert "~/cmd/speed is refused: speed = nan is not finite" in node.errors
+    assert "~/cmd/speed is rejected: speed = nan is not finite" in node.errors
 
 
 def test_torque_by_topic_turns_the_axle(start, client, forces, states):
@@ -130,7 +130,7 @@ def test_torque_by_topic_turns_the_axle(start, client, forces, states):
     client.until(lambda: beside_the_wheel[-1].xy[-1] > shear)
     assert np.abs(between_the_discs[-1].xy).max() < 0.01 * shear  # each disc is held by its own rail
     torque.publish(Float64(data=math.nan))
-    client.until(lambda: any("~/cmd/torque is refused: torque = nan is not finite" in text for text in logged))
+    client.until(lambda: any("~/cmd/torque is rejected: torque = nan is not finite" in text for text in logged))
     assert states[-1].revision == 1
     assert_gap_free(forces)
     end(node)
@@ -357,12 +357,12 @@ def test_changes_and_refusals_are_logged_by_whatever_means_they_come(start, clie
     end(node)
     logged = node.errors + node.output
     assert f"set_speed: revision 1 from step {accepted.step}" in logged
-    assert "set_speed is refused: speed = 1e+06 m/s is out of range" in logged
-    assert "stop_recording is refused: nothing is being recorded" in logged
+    assert "set_speed is rejected: speed = 1e+06 m/s is out of range" in logged
+    assert "stop_recording is rejected: nothing is being recorded" in logged
     assert "~/cmd/speed: revision 2 from step " in logged
-    assert "~/cmd/speed is refused: speed = -1 m/s is out of range" in logged
+    assert "~/cmd/speed is rejected: speed = -1 m/s is out of range" in logged
     assert "parameters: revision 3 from step " in logged
-    assert "parameters are refused: " in logged
+    assert "parameters are rejected: " in logged
     assert "wheel_1.damage.h" in logged
 
 

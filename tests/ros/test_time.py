@@ -213,7 +213,7 @@ def test_clock_is_not_changed_under_a_run(start, client, summaries):
     client.until(lambda: summaries)
     result = client.set(use_sim_time=True)
     assert not result.successful
-    assert "clean up first" in result.reason
+    assert "clean up the node first" in result.reason
     assert client.get("use_sim_time") == [False]
     assert client.transition("deactivate")
     assert client.transition("cleanup")

@@ -107,7 +107,7 @@ def test_kernels_that_others_can_write_are_not_used(tmp_path: Path) -> None:
     folder.chmod(0o777)
     before = sorted(folder.rglob("*"))
     refused = kernel_in_a_process(tmp_path)
-    assert f"{folder} are not used, since others can write there: remove it" in refused.stderr
+    assert f"{folder} are not used, because other users can write there: remove" in refused.stderr
     assert sorted(folder.rglob("*")) == before
 
 
@@ -121,14 +121,14 @@ def compiling(folder: Path, code: str = "") -> str:
 
 @pytest.mark.parametrize("code", ["", "raise SystemExit(1)"])
 def test_kernels_are_compiled_beside_and_waited_for(folder: Path, code: str) -> None:
-    with jit.compiled_meanwhile(compiling(folder, code)):
+    with jit.compiled_meanwhile(compiling(folder, code), "some"):
         assert not (folder / "ran").exists()
     assert (folder / "ran").exists()
 
 
 def test_an_interruption_ends_the_compilation_too(folder: Path) -> None:
     def interrupted() -> None:
-        with jit.compiled_meanwhile(compiling(folder, "time.sleep(600)")):
+        with jit.compiled_meanwhile(compiling(folder, "time.sleep(600)"), "some"):
             while not (folder / "ran").exists():
                 time.sleep(0.01)
             raise KeyboardInterrupt
@@ -142,12 +142,30 @@ def test_an_interruption_ends_the_compilation_too(folder: Path) -> None:
 @pytest.mark.parametrize("reason", ["done", "one core"])
 def test_no_process_without_need(folder: Path, monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
     if reason == "done":
-        jit.mark_compiled()
+        jit.compiled("some").touch()
     else:
         monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0}, raising=False)
-    with jit.compiled_meanwhile(compiling(folder)):
+    with jit.compiled_meanwhile(compiling(folder), "some"):
         pass
     assert not (folder / "ran").exists()
+
+
+def test_kernels_are_compiled_ahead_once_and_not_waited_for(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "_AHEAD", {})
+    module = compiling(folder, "time.sleep(600)")
+    for _ in range(2):
+        jit.compile_ahead(module, "some")
+    [process] = jit._AHEAD.values()
+    assert process.poll() is None
+    process.terminate()
+    process.wait()
+
+
+def test_nothing_is_compiled_ahead_without_need(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "_AHEAD", {})
+    jit.compiled("some").touch()
+    jit.compile_ahead(compiling(folder), "some")
+    assert jit._AHEAD == {}
 
 
 def test_nan_survives_a_reordered_sum() -> None:

@@ -48,7 +48,7 @@ def test_long_names_that_begin_alike_stay_apart():
 def test_folders_are_not_made(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     require_folder(Path("run.mcap"))
-    with pytest.raises(InputError, match=r"new/run.mcap cannot be written: its folder does not exist, make .*new"):
+    with pytest.raises(InputError, match=r"new/run.mcap cannot be written: its folder does not exist, create .*new"):
         require_folder(Path("new/run.mcap"))
 
 

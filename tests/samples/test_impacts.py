@@ -129,7 +129,7 @@ def test_refusals():
     with pytest.raises(InputError, match=r"threshold = -1 N is out of range"):
         ImpactSettings(threshold=-1.0)
     decimated = dataclasses.replace(block(0, rest(10)), decimation=10)
-    with pytest.raises(ValueError, match="each 10th"):
+    with pytest.raises(ValueError, match="every 10th"):
         impacts([decimated])
 
 

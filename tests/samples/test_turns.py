@@ -52,7 +52,7 @@ def test_peaks_are_those_of_whole_turns_for_any_cut(make_block, first, samples, 
 
 
 def test_decimated_blocks_are_refused(make_block):
-    with pytest.raises(ValueError, match="each 4th"):
+    with pytest.raises(ValueError, match="every 4th"):
         TurnWatch(TURN).push(dataclasses.replace(make_block(0, 10), decimation=4))
 
 

@@ -50,7 +50,7 @@ def test_loads_come_back_from_their_own_mapping() -> None:
         ("loads.stresses=[{node: A1, yy: x}]", "loads.stresses.0.yy = 'x' is not a number"),
         (
             "loads={torque: 1000.0, torque_plan: [{time: 0, torque: 0}]}",
-            "loads.torque = 1000 N m stands beside",
+            "loads.torque = 1000 N m and loads.torque_plan exclude each other",
         ),
     ],
 )

@@ -189,7 +189,7 @@ def test_a_vehicle_that_cannot_be_is_refused(change: str, message: str) -> None:
 
 def test_a_car_body_is_slower_than_the_functions_of_paper_dynamics() -> None:
     changes = ["vehicle=coach", "vehicle.body_mass=4000", "dynamics=paper"]
-    with pytest.raises(InputError, match=r"^vehicle\.body_mass moves more slowly than .* leave it out"):
+    with pytest.raises(InputError, match=r"^vehicle\.body_mass moves too slowly for .* leave it out"):
         load_scenario("undamaged", changes)
 
 
@@ -283,7 +283,7 @@ def test_files_that_are_based_on_themselves_come_to_an_end(tmp_path: Path) -> No
             ["irregularities.0", "worn_length"],
         ),
         ("irregularities=[{type: corrugation, on: rail_1, start: 59.0, length: 9000.0}]", ["irregularities.0"]),
-        ("line_length=0.7123", ["line_length = 0.7123 m is no whole number of steps"]),
+        ("line_length=0.7123", ["line_length = 0.7123 m is not a whole number of steps"]),
     ],
 )
 def test_every_error_is_raised_when_a_scenario_is_loaded(change: str, words: list[str]) -> None:

@@ -70,7 +70,7 @@ def test_steps_that_a_line_cannot_follow_are_named_with_those_that_it_can() -> N
     line = "track={base: ballasted_60e1, line: {bays: 80}}"
     (message,) = said(load_scenario("damage_wheel_1", [line, "speed=10"]))
     assert message == (
-        "speed = 10 m/s makes steps of 100 us, and track.line follows impacts up to 66.7 us: they may be 12 % too "
+        "speed = 10 m/s makes steps of 100 us, and track.line follows impacts up to 66.7 us: peaks may be 12 % too "
         "high, give a step_length of 0.000625 m"
     )
     assert said(load_scenario("damage_wheel_1", [line, "speed=10", "step_length=0.000625"])) == []

@@ -86,7 +86,7 @@ def test_the_mean_force_is_the_static_load(damaged: Simulator) -> None:
 
 
 def test_a_stress_node_that_is_named_twice_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^output\.stress_nodes names A1 twice: give each once"):
+    with pytest.raises(InputError, match=r"^output\.stress_nodes names A1 twice: give each stress node once"):
         load_scenario("undamaged", ["output.stress_nodes=[A1, B1, A1]"])
 
 
@@ -122,6 +122,20 @@ def test_a_settled_state_on_surfaces_is_started_from_again(name: str) -> None:
     assert all(np.array_equal(again.advance(500).forces, forces) for forces in expected)
 
 
+def test_a_branch_goes_on_by_itself() -> None:
+    run = toy_simulator()
+    run.advance(300)
+    branch = run.branch()
+    branch.apply(dataclasses.replace(branch.scenario, axle_load=150e3))
+    loaded = [branch.advance(500).forces for _ in range(2)][1]
+    forces, of_branch = run.branch().advance(1000).forces, run.advance(1000).forces
+    assert np.array_equal(forces, of_branch)
+    assert np.array_equal(forces, np.concatenate([block.forces for block in advance_to(toy_simulator(), 1300)])[300:])
+    assert not np.array_equal(loaded, forces[500:])
+    assert (run.revision, branch.revision, run.scenario.axle_load) == (0, 1, 196200.0)
+    assert toy_simulator().branch().next_step == 0
+
+
 @pytest.mark.parametrize("name", ["undamaged", "hanging_sleeper"])
 def test_treads_differ_from_one_settled_state(name: str) -> None:
     plain = Simulator(load_scenario(name))
@@ -136,10 +150,10 @@ def test_treads_differ_from_one_settled_state(name: str) -> None:
 def test_a_settled_state_of_another_run_is_refused(smooth: Simulator) -> None:
     settled = smooth.settle()
     heavier = Simulator(load_scenario("undamaged", ["axle_load=220e3"]), models=smooth.models)
-    with pytest.raises(InputError, match=r"wheel_load = 98100, the run 110000: settle it anew"):
+    with pytest.raises(InputError, match=r"wheel_load = 98100, the run 110000: settle it again"):
         heavier.settle(settled)
     rough = load_scenario("undamaged", ["irregularities=[{type: flat, on: wheel_1, length: 0.05}]"])
-    with pytest.raises(InputError, match="of a run on other surfaces: settle it anew"):
+    with pytest.raises(InputError, match="of a run on other surfaces: settle it again"):
         Simulator(rough, models=smooth.models).settle(settled)
     with pytest.raises(InputError, match="belongs to other models"):
         Simulator(load_scenario("undamaged")).settle(settled)

@@ -1,4 +1,4 @@
-"""Force tables of a changed defect are built while the stream goes on; they come into force at a step, whole."""
+"""Force tables of a changed defect are built while the stream goes on; they take effect at a step, whole."""
 
 import dataclasses
 import threading

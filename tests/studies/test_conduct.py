@@ -95,7 +95,7 @@ def test_histories_and_pressures_are_of_the_same_run(small, study_file) -> None:
 
 
 def test_another_program_is_refused(small, study_file) -> None:
-    with pytest.raises(Exception, match="another program"):
+    with pytest.raises(Exception, match="another version of the program"):
         evaluate(load_study(study_file(small)).runs()[0].job, "another")
 
 
@@ -170,7 +170,7 @@ def alive(process: str) -> bool:
         (["depth", "--set", "speed=-1"], "speed = -1 m/s is out of range"),
         (["depth", "--dynamics", "casual"], "is not a known choice: did you mean causal?"),
         (["depth", "--workers", "0"], "--workers 0 is out of range"),
-        (["depth", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "a --scheduler has workers of its own"),
+        (["depth", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "a --scheduler has its own workers"),
     ],
 )
 def test_the_command_refuses_before_anything_runs(arguments, said: str, tmp_path, capsys, monkeypatch) -> None:

@@ -1,4 +1,5 @@
 import dataclasses
+from pathlib import Path
 
 import pytest
 
@@ -42,14 +43,22 @@ def test_shipped_studies_load_and_all_their_scenarios_check(name: str, dynamics:
 
 
 def test_load_cases_are_the_shipped_scenarios() -> None:
-    cases = {run.points[0].label: run.scenario.irregularities for run in load_study("load_cases").runs()}
+    cases = {run.points[0].label: run.scenario for run in load_study("load_cases").runs()}
     for label, name in (
         ("no damage", "undamaged"),
         ("damage on wheel 1", "damage_wheel_1"),
         ("damage on wheel 2", "damage_wheel_2"),
         ("damage on both wheels", "damage_both"),
     ):
-        assert cases[label] == load_scenario(name).irregularities
+        assert cases[label].irregularities == load_scenario(name).irregularities
+        assert cases[label].settle_on == "smooth"
+
+
+def test_figures_take_a_wheelset_from_a_file(tmp_path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(shipped.text("wheelsets", "trailer").replace("name: trailer", "name: mine"), encoding="utf-8")
+    changes = [f"wheelset={file}", "output.stress_nodes=[A1]"]
+    assert scenario_from(load_study("wheelset_modes").base(changes)).wheelset.name == "mine"
 
 
 def test_runs_are_the_product_the_last_axis_fastest(small, study_file) -> None:
@@ -176,3 +185,20 @@ def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
     runs = load_study(tmp_path / "mine.yaml").runs()
     assert len(runs) == 2 * 5 * 2
     assert {run.scenario.track.pad.stiffness for run in runs} == {300e6}
+
+
+def test_the_scenario_of_a_study_is_a_file_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "here").mkdir()
+    for folder, speed in ((tmp_path / "here", 31), (tmp_path, 32)):
+        text = shipped.text("scenarios", "undamaged").replace("speed: 27.7777778", f"speed: {speed}")
+        (folder / "mine.yaml").write_text(text, encoding="utf-8")
+    study = tmp_path / "study.yaml"
+    text = "title: Mine\nscenario: mine.yaml\noutputs: [wheels.wheel_1.max_force]\n"
+    study.write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "here")
+    for path in (study, "../study.yaml"):
+        assert [run.scenario.speed for run in load_study(path).runs()] == [32]
+    study.rename("study.yaml")
+    (tmp_path / "here" / "mine.yaml").rename("other.yaml")
+    with pytest.raises(InputError, match=r"mine\.yaml cannot be read"):
+        load_study("study.yaml").runs()

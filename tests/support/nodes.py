@@ -128,13 +128,12 @@ class Client:
     def call(self, service, kind, again=True, **fields):
         """Answer of a service of the node.
 
-        The middleware loses the answer to a client that the node has not discovered yet: ``again`` asks again then.
-        Otherwise the node is asked for something else until it has, and no answer is None.
+        The middleware loses the answer to a client that the node has not discovered yet, so a new client waits until
+        the node answers another one. ``again`` asks again when an answer is lost all the same; otherwise it is None.
         """
         if service not in self.clients:
             self.clients[service] = self.node.create_client(kind, f"{self.name}/{service}")
-            if not again:
-                self.meet()
+            self.meet()
         asked = self.ask(self.clients[service], kind.Request(**fields), ANSWER, again)
         assert asked or not again, f"{service} did not answer"
         return asked[0] if asked else None

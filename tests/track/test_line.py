@@ -55,10 +55,10 @@ def test_reciprocity_between_rails_and_places() -> None:
 
 def test_modes_are_as_many_as_the_kernels_have_rows_for() -> None:
     line = line_of()
-    assert line.size == line_bay_kernels.ROWS
+    assert line.size == line_bay_kernels.RAIL + 2 * line_bay_kernels.HALF
     assert len(line.span.modes) == line_bay_kernels.RAIL_MODES
     assert len(line.sleeper.stiffness) == 2 * line_bay_kernels.HALF
-    assert line_of("slab_60e1").size == line_bay_kernels.SLEEPER
+    assert line_of("slab_60e1").size == line_bay_kernels.RAIL
     flip = np.repeat([1.0, -1.0], line_bay_kernels.HALF)
     assert line.sleeper.seats[1] == pytest.approx(flip * line.sleeper.seats[0], rel=1e-9, abs=1e-12)
     assert line.sleeper.ballast[1] == pytest.approx(np.outer(flip, flip) * line.sleeper.ballast[0], abs=1e-9)

@@ -104,9 +104,9 @@ def test_slab_track_has_no_ballast_to_vary() -> None:
     slab = {"base": "slab_60e1", "line": {"supports": [{"sleepers": 3, "pad_stiffness": 0.5}]}}
     assert isinstance(load_track(slab), Track)
     for key, value in (("gap", 0.001), ("ballast_damping", 2.0)):
-        with pytest.raises(InputError, match=r"line\.supports\.0 is about ballast"):
+        with pytest.raises(InputError, match=r"line\.supports\.0 changes the ballast"):
             load_track({"base": "slab_60e1", "line": {"supports": [{"sleepers": 3, key: value}]}})
     assert isinstance(load_track({"base": "slab_60e1", "line": {"scatter": {"pad_damping": 0.2}}}), Track)
     for key in ("ballast_stiffness", "ballast_damping"):
-        with pytest.raises(InputError, match=r"line\.scatter is about ballast"):
+        with pytest.raises(InputError, match=r"line\.scatter changes the ballast"):
             load_track({"base": "slab_60e1", "line": {"scatter": {key: 0.2}}})

@@ -36,7 +36,7 @@ def recorded(path: Path, simulator: Simulator, plan: Sequence[tuple[int, dict[st
             run_to(step)
             simulator.apply(dataclasses.replace(simulator.scenario, **values))  # type: ignore[arg-type]
         run_to(end)
-        while simulator.scenario != simulator.in_force:  # until all have come into force
+        while simulator.scenario != simulator.in_force:  # until all have taken effect
             run_to(simulator.next_step + TURN)
     return path
 

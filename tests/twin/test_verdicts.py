@@ -121,7 +121,7 @@ def test_digests_of_the_first_version_are_not_compared_with_those_of_today() -> 
     assert found.digests_differ == "0.1.0"
     assert not found.origin.keys() & {"wheelset", "track"}
     lines = verdict(found)
-    assert lines[-1].startswith("Recorded by version 0.1.0, whose digests have another form: they do not tell whether")
+    assert lines[-1].startswith("Recorded by version 0.1.0, whose digests have another form: they do not show whether")
     assert lines[-1].endswith("which the equal numbers show to be the same.") == found.identical
 
 

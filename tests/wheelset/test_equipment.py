@@ -110,10 +110,10 @@ def test_a_ring_is_what_a_gearbox_is(x40: Wheelset) -> None:
     ("item", "message"),
     [
         ({"type": "ring", "name": "disc", "y": 0.0, "length": 0.1, "outer_radius": 0.08}, "seat = 0.09 m is not less"),
-        ({"type": "ring", "name": "disc", "y": 0.25, "length": 0.1, "outer_radius": 0.3}, "does not stand on the cyl"),
+        ({"type": "ring", "name": "disc", "y": 0.25, "length": 0.1, "outer_radius": 0.3}, "does not sit on the cyl"),
         ({"type": "ring", "name": "gearbox", "y": 0.0, "length": 0.1, "outer_radius": 0.3}, "and not gearbox"),
         ({"type": "ring", "name": "", "y": 0.0, "length": 0.1, "outer_radius": 0.3}, "empty name"),
-        ({"type": "mass", "name": "gear", "y": 0.4, "length": 0.1, "mass": 50.0}, "gear begins at .* where gearbox"),
+        ({"type": "mass", "name": "gear", "y": 0.4, "length": 0.1, "mass": 50.0}, "gear begins at .* inside gearbox"),
         ({"type": "mass", "name": "gear", "y": 0.0, "length": 0.1, "mass": -1.0}, "mass = -1 kg is out of range"),
         ({"type": "spring", "name": "gear", "y": 0.0, "length": 0.1}, "known are ring, mass"),
     ],

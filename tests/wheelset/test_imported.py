@@ -193,7 +193,7 @@ def test_no_diameter_no_torque(content: dict[str, Any]) -> None:
         ("modes.damping_ratios.1", -0.1, "modes.damping_ratios.1 = -0.1 is out of range"),
         ("modes.lift.2", [1.0], "modes.lift.2 has 1 entries: give 2"),
         ("modes.frequencies", [100.0], "modes.frequencies has 1 entries: give"),
-        ("modes.frequencies", [], "modes needs one of poles and frequencies with damping_ratios"),
+        ("modes.frequencies", [], "modes needs either poles, or frequencies with damping_ratios"),
         ("modes.suspension", [], "suspension_damping needs the modes' lift there"),
         ("modes.lift", "1 2\n3 x\n", "modes.lift is not a table of numbers"),
         ("modes.shapes", [], "modes.shapes is not a known key"),

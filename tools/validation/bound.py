@@ -159,7 +159,8 @@ def text() -> str:
             (0, 1, 1, 2, 1, 1),
         ),
         f"The printed force of {ripple} kN is ±{number(rise, 0)} kN. It needs a deflection that varies by "
-        f"±{number(needed, 0)} µm; that of the printed track varies by ±{number(at_100['e1'], 0)} µm. railFE, a public "
+        f"±{number(needed, 0)} µm; the deflection of the printed track varies by ±{number(at_100['e1'], 0)} µm. "
+        "railFE, a public "
         f"code of one rail with a linear contact, gives ±{number(RAILFE)} kN with that track. So {ripple} kN cannot "
         "follow from the printed data. The bound takes the rail's receptance as the same all along the bay. What that "
         f"leaves out is seen at {fastest['speed']} km/h, where our ripple is {number(over, 0)} % above it.",

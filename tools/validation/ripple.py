@@ -191,8 +191,8 @@ def appendix(static_a1: float) -> str:
     return paragraphs(
         "## Appendix: what was tried for the ripple",
         "**What the track could be** (causal dynamics). *Jump* is the largest change of the force within one step; "
-        "ΔA1/ΔF is the rise of A1 over its static value for the rise of force 1, and tells a slow ripple, to which the "
-        "axle answers, from spikes, to which it does not:",
+        "ΔA1/ΔF is the rise of A1 over its static value for the rise of force 1. It is large for a slow ripple, to "
+        "which the axle responds, and small for spikes, to which it does not:",
         table(HEAD, physics, (0, 1, 1, 1, 2, 1, 1, 1, 0)),
         "**What the moving Green's functions could be** (paper dynamics, 2500 Hz, as printed). *Deflection* is the "
         "variation along a bay of the rail's deflection under the moving static load, peak to peak; on the right the "

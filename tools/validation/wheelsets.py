@@ -106,9 +106,9 @@ def _own_weight() -> list[str]:
         f"{number(100 * excess(), 0)} % too high at 12 t:",
         table(("axle load", *(f"{node}{end}" for node in nodes for end in ("", " with own weight"))), rows),
         "`tests/validation/test_static_bending.py` holds it within 2 % of a beam that carries wheels, gearbox and "
-        "itself, and within 0.5 % far from hubs. For the trailer, CalculiX with bricks of "
-        f"its own takes {', '.join(number(value) for value in weights[1])} MPa off the nodes A1, A2, B1, B2, M, the "
-        f"harmonic elements {', '.join(number(value) for value in weights[0])} MPa.",
+        "itself, and within 0.5 % far from hubs. At the nodes A1, A2, B1, B2 and M of the trailer, own weight lowers "
+        f"the stress by {', '.join(number(value) for value in weights[1])} MPa in CalculiX with its own "
+        f"bricks, and by {', '.join(number(value) for value in weights[0])} MPa in the harmonic elements.",
     ]
 
 

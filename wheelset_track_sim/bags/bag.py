@@ -130,7 +130,7 @@ class Bag:
                 continue
             if message.decimation != 1:
                 raise RecordingError(
-                    f"{self.path} holds only each {message.decimation}th step of {topic.name}: record it at full rate"
+                    f"{self.path} holds only every {message.decimation}th step of {topic.name}: record it at full rate"
                 )
             group = groups.add(signal, message, len(found.message.data))
             if group is None:
@@ -154,8 +154,8 @@ class Bag:
             if block.first_step < end:
                 raise self._incomplete(again.what)
             raise RecordingError(
-                f"{self.path} has a gap: after step {end - 1} comes step {block.first_step}, record it again or read "
-                "it with its gaps"
+                f"{self.path} has a gap, step {block.first_step} follows step {end - 1}: record it again, or pass "
+                "lost= to read past it"
             )
         if block.first_step - end > LONGEST_GAP:
             self.lost(Damage.far(self.path.name, block.first_step, end))
@@ -179,7 +179,7 @@ class Bag:
 
     def _incomplete(self, reason: str) -> RecordingError:
         return RecordingError(
-            f"{self.path} is not a complete bag ({reason}): record it again, or read it with its gaps"
+            f"{self.path} is not a complete bag ({reason}): record it again, or pass lost= to read past the damage"
         )
 
     def _stress_topics(self, nodes: Sequence[str] | None) -> list[str]:
@@ -190,15 +190,15 @@ class Bag:
         for node in nodes:
             topic = next((topic for topic in there if topic.endswith("/" + stress_topic(node))), None)
             if topic is None:
-                names = ", ".join(topic.rpartition("/")[2] for topic in there) or "no stress node"
-                raise InputError(f"{self.path} has no stress node {node}: it has {names}")
+                names = ", ".join(topic.rpartition("/")[2] for topic in there) or "none"
+                raise InputError(f"{self.path} has no stress node {node}: give one of {names}")
             found.append(topic)
         return found
 
     def nothing(self, window: RunWindow = EVERYTHING) -> RecordingError:
         """Error for a bag that has no samples in a window."""
         if not window.whole:
-            return RecordingError(f"{self.path} holds no samples {window}: info tells what it holds")
+            return RecordingError(f"{self.path} holds no samples {window}: info lists what it holds")
         return RecordingError(
             f"{self.path} holds no complete chunk of contact forces and stresses: give a bag of a run"
         )

@@ -28,7 +28,7 @@ class BagFile:
         """Create ``path``, which must not exist, with ``records`` of metadata by name."""
         self.path = path
         self.begin_ns = begin_ns
-        """Time stamp of the first message, ns; ``begin_ns`` before there is one."""
+        """When the first message was published, ns; ``begin_ns`` before there is one."""
         self._stream = FileIO(path, "xb")
         try:
             self._mcap = McapWriter(self._stream, "ros2", f"wheelset_track_sim {__version__}")
@@ -88,7 +88,7 @@ class BagFile:
         """
         channel = self._channels.get(topic) or self._register(topic)
         if not self.holds_messages:
-            self.begin_ns = time_ns
+            self.begin_ns = time_ns if published_ns is None else published_ns
         number = self._sequence[channel] if sequence is None else sequence
         self._mcap.add_message(channel, time_ns, number, cdr, published=published_ns)
         self._sequence[channel] += 1
@@ -151,6 +151,11 @@ class BagFiles:
         self._begun = 0
         self._topics: dict[str, Topic] = {}
         self._unsynced = {path.parent}
+
+    @property
+    def follows_ns(self) -> int | None:
+        """Time right after the last message of the file before, ns; None for the first file."""
+        return self.finished[-1].last_ns + 1 if self.finished else None
 
     @property
     def bound(self) -> int:

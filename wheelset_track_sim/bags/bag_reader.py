@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import groupby, takewhile
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, BinaryIO, NamedTuple, TypeVar
 
 from mcap.records import Metadata
 from rosbags.serde import SerdeError
@@ -20,12 +20,13 @@ from rosbags.typesys import TypesysError
 
 from ..errors import NoBagError, RecordingError
 from .definitions import DefinitionError, decoder
-from .folder_files import OTHERS, FolderFiles, folder_files, is_mcap
+from .folder_files import FolderFiles, folder_files, suffix_of
 from .folder_metadata import METADATA
 from .losses import Damage, Loss
 from .mcap.reader import UNREADABLE, Chunk, Known, McapReader, StoredMessage
 from .messages import start_of
 from .run_info import RunInfo
+from .stored_files import StoredFiles, is_bag
 from .window import EVERYTHING, RunWindow, first_chunk
 
 T = TypeVar("T")
@@ -34,7 +35,7 @@ DAMAGE = (*UNREADABLE, SerdeError, TypesysError, ArithmeticError, TypeError, Att
 FORCES, STRESS = "ContactForces", "AxleStress"
 SAMPLES = (FORCES, STRESS)
 LONGEST_REASON = 300
-"""Characters of a library's message that are told."""
+"""Characters of a library's message that are shown."""
 SAME_START = 1000
 """Difference in the time of step 0, ns, within one run: rounding."""
 Lost = Callable[[Loss], object]
@@ -76,6 +77,7 @@ class BagReader:
     lost: Lost | None = None
 
     _known: dict[Path, Known] = field(default_factory=dict, compare=False, repr=False)
+    _stored: StoredFiles = field(default_factory=StoredFiles, compare=False, repr=False)
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -89,20 +91,21 @@ class BagReader:
         if not path.exists():
             raise NoBagError(f"{path} does not exist: give a bag folder or an .mcap file")
         if path.is_file():
+            with self.quiet._stream(path) as stream:
+                if not is_bag(stream):
+                    raise NoBagError(f"{path} is neither MCAP nor SQLite: give a bag folder, or an .mcap or .db3 file")
             return FolderFiles((path,))
         found = folder_files(path, self.quiet.begins)
         if not found.files:
             inside = min((file.parent for file in path.glob("*/*.mcap")), default=None)  # of snapshots, of recordings
             such = f", such as {inside}" if inside else ""
-            if any(file.name.endswith(OTHERS) for file in path.iterdir()):
-                such = ", as ros2 bag convert makes it of SQLite bags and of files that are compressed as a whole"
-            raise NoBagError(f"{path} holds no .mcap file: give a bag folder or an .mcap file{such}")
+            raise NoBagError(f"{path} holds no .mcap or .db3 file: give a bag folder or an .mcap file{such}")
         return found
 
     @property
     def quiet(self) -> BagReader:
         """The same without reports of damage, for preliminary look-ups."""
-        return BagReader(self.path, self.lost and _ignore, self._known)
+        return BagReader(self.path, self.lost and _ignore, self._known, self._stored)
 
     @cached_property
     def info(self) -> RunInfo | None:
@@ -117,7 +120,7 @@ class BagReader:
 
     def begins(self, file: Path) -> int | None:
         """Time of the first message of a file, ns; None if none can be read."""
-        with BagReader(file, _ignore, self._known).opened(file) as mcap:
+        with BagReader(file, _ignore, self._known, self._stored).opened(file) as mcap:
             if mcap.layout is not None:
                 return min((part.first_ns for part in mcap.layout.parts), default=None)
             for span in mcap.spans():
@@ -206,13 +209,21 @@ class BagReader:
     @contextmanager
     def opened(self, file: Path) -> Iterator[McapReader]:
         """One file; everything that can be wrong with it raises RecordingError in one line."""
+        with self._stream(file) as stream:
+            mcap = McapReader(stream, file.name, lambda damage: self._damaged(file, damage), self._known.get(file))
+            self._known[file] = mcap.known
+            if self.lost is None and mcap.index is None:
+                raise _incomplete(file, "it was not closed" if mcap.size else "it is empty")
+            yield mcap
+
+    @contextmanager
+    def _stream(self, file: Path) -> Iterator[BinaryIO]:
+        """A file as MCAP; errors as in ``opened``."""
         try:
-            with file.open("rb") as stream:
-                mcap = McapReader(stream, file.name, lambda damage: self._damaged(file, damage), self._known.get(file))
-                self._known[file] = mcap.known
-                if self.lost is None and mcap.index is None:
-                    raise _incomplete(file, "it was not closed" if mcap.size else "it is empty")
-                yield mcap
+            with self._stored.opened(file, lambda why: self._damaged(file, Damage(file.name, 0, 0, why))) as stream:
+                yield stream
+        except NoBagError:
+            raise
         except OSError as reason:
             raise RecordingError(
                 f"{file} cannot be read ({reason.strerror}): give a bag folder or an .mcap file"
@@ -293,7 +304,7 @@ class BagReader:
 
     def _first_sample(self, place: _Place) -> tuple[int, float, int] | None:
         """Step and time of the first contact forces in a chunk, and the time of step 0, ns."""
-        with BagReader(self.path, _ignore, self._known).opened(place.file) as mcap:
+        with BagReader(self.path, _ignore, self._known, self._stored).opened(place.file) as mcap:
             for chunk in mcap.chunks_at([place.place]):
                 for message in mcap.messages(chunk):
                     if message.topic.kind == FORCES:
@@ -305,8 +316,8 @@ class BagReader:
     def _require_one(self, runs: Sequence[str]) -> None:
         if len(runs) > 1:
             raise RecordingError(
-                f"{self.path} holds {len(runs)} runs ({', '.join(runs)}): record each into a bag of its own, or take "
-                "one out by its topics with ros2 bag convert"
+                f"{self.path} holds {len(runs)} runs ({', '.join(runs)}): record each run into a bag of its own, or "
+                "extract one out by its topics with ros2 bag convert"
             )
 
     def _damaged(self, file: Path, damage: Damage) -> None:
@@ -328,7 +339,7 @@ def beside(path: Path, ending: str) -> Path:
     For ``.``, it has the name of the current folder.
     """
     path = path if path.name not in ("", "..") else path.resolve()
-    return path.with_name(f"{path.stem if is_mcap(path) else path.name}{ending}")
+    return path.with_name(path.name.removesuffix(suffix_of(path)) + ending)
 
 
 def _one_line(reason: BaseException) -> str:

@@ -189,7 +189,7 @@ class BagWriter(Writer):
 
     def snapshot(self) -> Path:
         """Raise InputError: the bag holds everything."""
-        raise InputError(f"{self.path} holds everything: record in snapshot mode to take snapshots")
+        raise InputError(f"{self.path} records continuously: set record.mode to snapshot to take snapshots")
 
     def sync(self) -> None:
         """Wait until everything at the operating system is on the disk; RecordingError if the disk refuses."""
@@ -240,8 +240,19 @@ class BagWriter(Writer):
         topic = self._topics.get(message.topic)
         if topic is None:
             topic = self._topics[message.topic] = topic_of_node(self.prefix, message.topic, message.kind)
-        self._file.add(topic, message.stamp_ns, message.cdr)
+        self._file.add(topic, self._log_ns(message), message.cdr, published_ns=message.stamp_ns)
         self._end_ns = max(self._end_ns, message.end_ns)
+
+    def _log_ns(self, message: Message) -> int:
+        """When a message counts as logged, ns: at its stamp, but for the state with which a later file begins.
+
+        That follows the file before at once, because the reader of rosbag2 seeks for ever in the time between two files
+        (``SequentialReader::seek``: after the end of one, before the beginning of the other).
+        """
+        follows = self._files.follows_ns
+        if message.kind != STATE or self._file.holds_messages or follows is None:
+            return message.stamp_ns
+        return min(message.stamp_ns, follows)
 
     def _repeat_state(self, chunk: Message) -> None:
         """Repeat the state before the first chunk of a file."""

@@ -111,9 +111,7 @@ class BufferedWriter:
             return small
         self._submit(self._close)
         self._shut()
-        self._report(
-            RecordingError(f"{self.path} ends here: the disk does not respond, and there is no room for changes"), True
-        )
+        self._report(RecordingError(f"{self.path} ends here: the disk does not respond, and the buffer is full"), True)
         return []
 
     def _go_on(self, gap: tuple[int, int]) -> None:
@@ -146,7 +144,7 @@ class BufferedWriter:
     def _submit(self, job: Callable[..., T], *arguments: Any, size: int = 0) -> Future[T]:
         if self._shut_down:
             refused: Future[T] = Future()
-            refused.set_exception(InputError(f"{self.path} is not being recorded any more: start another recording"))
+            refused.set_exception(InputError(f"{self.path} is no longer being recorded: start another recording"))
             return refused
         self._waiting += size
         return self._thread.submit(self._do, job, arguments, size)

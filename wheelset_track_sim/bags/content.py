@@ -47,7 +47,7 @@ def check_place(message: Any) -> None:
         raise ContentError(f"step {message.first_step} at {message.time:g} s is after {LAST} or {LATEST:g} s")
     factor = getattr(message, "decimation", 1)
     if not 1 <= factor <= FACTOR.high:
-        raise ContentError(f"it has samples each {factor} steps")
+        raise ContentError(f"it has only every {factor}th sample")
     if not (message.speed > 0 and STEP[0] <= message.speed * message.step_period / factor <= STEP[1]):
         raise ContentError(
             f"speed {message.speed:g} m/s and step period {message.step_period:g} s at step {message.first_step} are "

@@ -39,7 +39,8 @@ DEFAULTS: Mapping[str, Mapping[str, Default]] = {
         "irregularities": lambda state: irregularities_text(state.scenario),
     },
     "LoadSummary": {
-        "turns": lambda _: 0,
+        **dict.fromkeys(("solved_steps", "filtered_steps", "turns"), lambda _: 0),
+        "largest_estimate": UNKNOWN,
         **dict.fromkeys(("wheel_1_turn_max_force", "wheel_2_turn_max_force"), UNKNOWN),
         **dict.fromkeys(("turn_max_principal", "stress_max", "stress_min", "stress_mean", "stress_rms"), NONE),
         "max_principal_mean": lambda summary: np.full(len(summary.nodes), math.nan),

@@ -44,8 +44,8 @@ def form_of(path: Path) -> Form | None:
     form = FORMS.get(suffix)
     if form is None:
         raise InputError(
-            f"--out {path} ends in {path.suffix}, which is no form of results: give a name that ends in .mcap, "
-            f"{', '.join(FORMS)}, or one without suffix for the folder of a bag"
+            f"--out {path} ends in {path.suffix}, which is not a supported format: give a name that ends in .mcap, "
+            f"{', '.join(FORMS)}, or one without a suffix for a bag folder"
         )
     require_libraries(f"--out {path}", form.needs)
     _require_new(path)
@@ -66,8 +66,8 @@ def check_steps(path: Path, form: Form, steps: int) -> None:
     """Raise InputError if a form cannot hold that many steps."""
     if form.most is not None and steps > form.most:
         raise InputError(
-            f"--out {path} would have {steps} steps, and {path.suffix} holds {form.most}: give .csv, .parquet or .nc, "
-            "or a shorter --duration"
+            f"--out {path} would have {steps} rows, and {path.suffix} files hold at most {form.most}: give .csv, "
+            ".parquet or .nc, or a shorter --duration"
         )
 
 

@@ -1,7 +1,7 @@
 """Which files of a folder are those of its bag, and in which order.
 
-``metadata.yaml`` lists them. Without it, all MCAP files of the folder are taken in the order of their first messages,
-and a copy of a file counts once.
+``metadata.yaml`` lists them. Without it, all files of the folder with the suffix of one are taken in the order of their
+first messages, and a copy of a file counts once.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from ..errors import InputError
 from .folder_metadata import METADATA, listed_files
 from .losses import Damage
 
-SUFFIX = ".mcap"
-OTHERS = (".db3", ".zstd")
-"""Files of ``ros2 bag record`` that are no MCAP: SQLite, or compressed as a whole."""
+SUFFIX, PACKED = ".mcap", ".zstd"
+SUFFIXES = (SUFFIX, ".db3", SUFFIX + PACKED, ".db3" + PACKED)
+"""Of the files of bags: MCAP and SQLite, as they are and compressed as a whole."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class FolderFiles:
     damages: tuple[Damage, ...] = ()
     """What is missing."""
     left_out: tuple[str, ...] = ()
-    """Other MCAP files of the folder, each with the reason why it does not belong to the bag."""
+    """Other such files of the folder, each with the reason why it does not belong to the bag."""
 
 
 def is_mcap(path: Path) -> bool:
@@ -37,20 +37,27 @@ def is_mcap(path: Path) -> bool:
     return path.suffix.lower() == SUFFIX
 
 
+def suffix_of(path: Path) -> str:
+    """Suffix by which a path names a file of a bag, as it is written; empty if it names none."""
+    return next((path.name[-len(suffix) :] for suffix in SUFFIXES if path.name.lower().endswith(suffix)), "")
+
+
 def folder_files(folder: Path, begins: Callable[[Path], int | None]) -> FolderFiles:
     """Files of the bag in ``folder``; ``begins`` is the time of the first message of a file, None if it has none."""
-    there = sorted(file for file in folder.iterdir() if is_mcap(file) and file.is_file())
+    there = sorted(file for file in folder.iterdir() if suffix_of(file) and file.is_file())
+    names = {file.name for file in there}
+    there = [file for file in there if file.name + PACKED not in names]  # ros2 bag leaves what it has unpacked
     if not (folder / METADATA).is_file():
         return _by_content(there, begins, Damage(METADATA, 0, 0, "it is missing"))
     try:
-        names = [*dict.fromkeys(listed_files(folder))]
+        listed = [*dict.fromkeys(listed_files(folder))]
     except InputError as reason:
         return _by_content(there, begins, Damage(METADATA, 0, 0, f"it cannot be read ({reason})"))
-    files = tuple(folder / name for name in names if _is_file(folder / name) and not name.endswith(OTHERS))
-    missing = tuple(Damage(name, 0, 0, "it is missing") for name in names if folder / name not in files)
+    found = {name: _packed_or_not(folder / name) for name in listed}
+    files = tuple(file for file in found.values() if file is not None)
+    missing = tuple(Damage(name, 0, 0, "it is missing") for name, file in found.items() if file is None)
     if not files:  # of another bag, or of files that were renamed
-        found = _by_content(there, begins, *missing)
-        return FolderFiles(found.files, found.damages, found.left_out)
+        return _by_content(there, begins, *missing)
     others = tuple(f"{file.name}: metadata.yaml does not list it" for file in there if file not in files)
     return FolderFiles(files, missing, others)
 
@@ -73,6 +80,12 @@ def _by_content(there: list[Path], begins: Callable[[Path], int | None], *damage
             shorter.append(Damage(file.name, 0, 0, words))
     kept += [file for file in there if first[file] is None]
     return FolderFiles(tuple(kept), (*damages, *shorter), tuple(copies))
+
+
+def _packed_or_not(path: Path) -> Path | None:
+    """A file that is listed, or what ``ros2 bag`` has unpacked it to; None if neither is there."""
+    unpacked = path.with_name(path.name.removesuffix(PACKED))
+    return next((file for file in (path, unpacked) if _is_file(file)), None)
 
 
 def _is_file(path: Path) -> bool:

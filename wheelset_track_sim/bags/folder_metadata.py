@@ -94,7 +94,7 @@ def listed_files(folder: Path) -> list[str]:
         raise InputError(f"relative_file_paths is not a list of up to {MOST_FILES} files")
     for name in listed:
         if not isinstance(name, str) or not Path(name).name:
-            raise InputError("relative_file_paths has an entry that is no file name")
+            raise InputError("relative_file_paths has an entry that is not a file name")
         if len(name) > LONGEST_NAME:
             raise InputError(
                 f"relative_file_paths has a name of {len(name)} characters, and {LONGEST_NAME} are allowed"

@@ -123,6 +123,7 @@ def chunk_messages(
     fields = {**chunk, "samples": summary.samples, "real_time_factor": real_time_factor, "lag": lag}
     for wheel, load in zip(("wheel_1", "wheel_2"), summary.wheels, strict=True):
         fields |= {f"{wheel}_{name}": value for name, value in vars(load).items()}
+    fields |= vars(summary.contacts)
     fields["nodes"] = [node.name for node in summary.nodes]
     fields["max_principal_max"] = np.array([node.max_principal for node in summary.nodes])
     fields["max_principal_min"] = np.array([node.min_principal for node in summary.nodes])

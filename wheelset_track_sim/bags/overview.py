@@ -9,14 +9,14 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
-from ..samples.block import SampleBlock
+from ..samples.block import UNCOUNTED, ContactCounts, SampleBlock
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
 from .bag import STATE, Bag
 from .bag_reader import FORCES, SAMPLES, BagReader, Located
@@ -49,7 +49,7 @@ class ChangedKey(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordedRevision:
-    """A change that has come into force."""
+    """A change that has taken effect."""
 
     number: int
     step: int
@@ -227,7 +227,7 @@ def overview(path: str | Path) -> Overview:
     blocks, summaries = (_total(reader, pieces) for pieces in (found, seen.summaries))
     run = blocks if blocks.first else summaries
     losses += run.losses
-    unchecked = ["whether the extremes, which are those of the summaries in the bag, are those of the samples"]
+    unchecked = ["whether the extremes of the samples equal the extremes in the summaries of the bag, which are shown"]
     if decimated:
         losses += _uneven(reader, seen)
         unchecked.append("whether each step has every signal: they do not have samples at each step")
@@ -239,7 +239,7 @@ def overview(path: str | Path) -> Overview:
     elif summaries.summary is None:
         unchecked = []
         for block in _blocks(bag):
-            part = summarise(block)
+            part = replace(summarise(block), contacts=UNCOUNTED)
             summaries.summary = part if summaries.summary is None else combine([summaries.summary, part])
     unchecked += [f"{file} is left out" for file in reader.folder.left_out]
     return Overview(
@@ -329,8 +329,12 @@ def _piece(message: Any) -> _Piece:
         samples,
         float(message.time),
         float(message.step_period),
-        Summary(samples, (wheels[0], wheels[1]), nodes),
+        Summary(samples, (wheels[0], wheels[1]), nodes, _contacts(message)),
     )
+
+
+def _contacts(message: Any) -> ContactCounts:
+    return ContactCounts(int(message.solved_steps), int(message.filtered_steps), float(message.largest_estimate))
 
 
 def _blocks(bag: Bag) -> Iterator[SampleBlock]:

@@ -81,7 +81,7 @@ def recover(path: str | Path, out: str | Path | None = None) -> Recovered:
         ) from None
     saved, lost = (sum(of) for of in zip(*counts, strict=True))
     first, steps, seconds = _read_back(target, losses)
-    return Recovered(target, saved, lost, messages, first, steps, seconds, tuple(losses))
+    return Recovered(target, saved, lost, messages, first, steps, seconds, tuple(dict.fromkeys(losses)))
 
 
 def _copy(reader: BagReader, file: Path, copy: BagFiles, losses: list[Loss]) -> tuple[int, int]:

@@ -36,7 +36,7 @@ LARGEST = 1 << 28
 
 
 class Input(NamedTuple):
-    """A change that has come into force; revision 0 is the start."""
+    """A change that has taken effect; revision 0 is the start."""
 
     revision: int
     step: int
@@ -98,7 +98,7 @@ class RunInfo:
     digest: str
     """Digest of that scenario and of the models."""
     sleeper_spacing: float
-    """m; sleepers stand at its multiples."""
+    """m; sleepers are at its multiples."""
     versions: Mapping[str, str] = field(default_factory=versions)
     models: Mapping[str, str] = field(default_factory=dict)
     """Digests of ``wheelset`` and ``track``, as their files describe them."""
@@ -130,7 +130,7 @@ class RunInfo:
         try:
             return cls.from_metadata(record)
         except (LookupError, ValueError, OverflowError) as reason:
-            raise ValueError(f"what it says about its run is lost: {reason}") from reason
+            raise ValueError(f"the description of its run cannot be read: {reason}") from reason
 
     @classmethod
     def from_metadata(cls, record: Mapping[str, str]) -> RunInfo:

@@ -26,10 +26,10 @@ class RecordSettings:
     mode: str = CONTINUOUS
     """``continuous``: all; ``snapshot``: what is around impacts, or asked for."""
     max_size: int = quantity(
-        "bytes", 0, 10**15, "the size at which a bag goes on in another file, 0 for none,", default=0
+        "bytes", 0, 10**15, "the size at which another file of the bag begins, 0 for none,", default=0
     )
     max_duration: float = quantity(
-        "s", 0.0, 1e6, "the time of the run after which a bag goes on in another file, 0 for none,", default=0.0
+        "s", 0.0, 1e6, "the simulated time after which another file of the bag begins, 0 for none,", default=0.0
     )
     max_total_size: int = quantity(
         "bytes", 0, 10**15, "the size of a bag above which its oldest files are removed, 0 for none,", default=0
@@ -37,7 +37,7 @@ class RecordSettings:
     snapshot_duration: float = quantity("s", 0.1, 60.0, "the time before an impact that a snapshot holds", default=10.0)
     snapshot_after: float = quantity("s", 0.0, 60.0, "the time after an impact that a snapshot holds", default=1.0)
     buffer_size: int = quantity(
-        "bytes", 10**6, 10**10, "the size of what waits for a slow disk before samples are lost", default=100_000_000
+        "bytes", 10**6, 10**10, "the size of the buffer that holds samples for a slow disk", default=100_000_000
     )
 
     def __post_init__(self) -> None:
@@ -48,12 +48,12 @@ class RecordSettings:
             value, unit = getattr(self, name), quantity_of(RecordSettings, name).unit
             if 0 < value < least:
                 raise InputError(
-                    f"{name} = {value:g} {unit} is out of range: give {least:g} {unit} at least, or 0 for none"
+                    f"{name} = {value:g} {unit} is out of range: give at least {least:g} {unit}, or 0 for no limit"
                 )
 
     @property
     def splits(self) -> bool:
-        """Whether a bag goes on in further files by itself."""
+        """Whether a bag is split into files automatically."""
         return max(self.max_size, self.max_duration, self.max_total_size) > 0
 
     @property

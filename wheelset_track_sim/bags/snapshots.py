@@ -73,7 +73,7 @@ class SnapshotWriter(Writer):
             return self._bag.path
         steps = [message.fields["first_step"] + message.fields["samples"] - 1 for message in self._counted()]
         if not steps:
-            raise InputError("there is no sample since the last snapshot: take one later")
+            raise InputError("no sample has been recorded since the last snapshot: try again later")
         self._bag = self._begin(steps[-1], self._end_ns)
         path = self._bag.path
         self._finish()

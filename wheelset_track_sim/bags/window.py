@@ -27,10 +27,13 @@ class RunWindow:
 
     def __post_init__(self) -> None:
         if math.isnan(self.start) or math.isnan(self.stop) or self.start >= self.stop:
-            raise InputError(f"start = {self.start:g} s, stop = {self.stop:g} s hold nothing: give start before stop")
+            raise InputError(
+                f"start = {self.start:g} s and stop = {self.stop:g} s select nothing: give a start before stop"
+            )
         if self.first_step < 0 or (self.end_step is not None and self.end_step <= self.first_step):
             raise InputError(
-                f"steps from {self.first_step} to {self.end_step} hold nothing: give two that rise, the first from 0"
+                f"steps from {self.first_step} to {self.end_step} select nothing: give a first_step from 0 on, and "
+                "an end_step above it"
             )
 
     def __str__(self) -> str:

@@ -97,7 +97,7 @@ def _remove(entry: Entry) -> None:
         shutil.rmtree(entry.path) if entry.path.is_dir() else entry.path.unlink(missing_ok=True)
     except OSError as reason:
         raise WheelsetTrackError(
-            f"{entry.path} cannot be removed ({reason.strerror}): give yourself the right to write in its folder"
+            f"{entry.path} cannot be removed ({reason.strerror}): make its folder writable"
         ) from None
 
 

@@ -32,7 +32,7 @@ class _OutputError(Exception):
 
 
 class _Output:
-    """A stream that tells its own errors from all others."""
+    """A stream that marks its own errors."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
@@ -55,7 +55,7 @@ class _Output:
 
 
 def status_of(command: Callable[[], int], program: str, interrupted: int = FAILED) -> int:
-    """Run a command; returns its exit status, and ``interrupted`` if it was told to end before it could."""
+    """Run a command; returns its exit status, and ``interrupted`` if it was interrupted before it ended."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError):  # of a test, or closed
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
@@ -109,7 +109,7 @@ def _surroundings(program: str, reason: OSError) -> int:
     why, path = reason.strerror or str(reason), reason.filename
     if path is None or reason.errno not in OF_PATHS:
         where = "" if path is None else f"{os.fsdecode(path)}: "
-        return complain(program, f"{where}{why}: see to it, and try again", FAILED)
+        return complain(program, f"{where}{why}: remove the cause, and try again", FAILED)
     return complain(program, f"{os.fsdecode(path)} cannot be used ({why}): give another path", REFUSED)
 
 

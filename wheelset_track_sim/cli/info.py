@@ -15,6 +15,7 @@ from ..bags.overview import Overview, overview
 from ..errors import printable
 from ..scenario import WHEELS
 from .console import print_object, terminal
+from .contacts import contact, contact_words
 
 WIDEST = 44
 """Characters of a name in one line: more than half of a terminal of 80."""
@@ -75,6 +76,7 @@ def as_mapping(found: Overview) -> dict[str, Any]:
         }
         if summary
         else {},
+        "contact": contact(summary) if summary else {},
         "revisions": [
             {
                 "revision": revision.number,
@@ -105,6 +107,8 @@ def tables(found: Overview) -> list[Table]:
         for node in found.summary.nodes:
             stress = f"{node.min_principal / 1e6:.1f} to {node.max_principal / 1e6:.1f} MPa"
             run.add_row(f"maximum principal stress {node.name}", stress)
+        if words := contact_words(contact(found.summary)):
+            run.add_row("contacts without a force table", words)
     run.add_row("digest", found.info.digest)
     for software, version in found.info.versions.items():
         run.add_row(f"version of {software}", version)

@@ -11,7 +11,7 @@ from .console import terminal
 NEXT = {
     "scenarios": "run {file}",
     "studies": "study {file}",
-    "wheelsets": "run undamaged --set wheelset={file}",
+    "wheelsets": "run undamaged --set wheelset={file} --set output.stress_nodes=[A1]",
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
 }

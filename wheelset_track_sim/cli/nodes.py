@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..inputs.yaml12 import dump
 from ..scenario import change_of
 from .console import print_object, terminal
+from .loading import loaded
 
 LONGEST = 3600.0
 """Longest time to wait for a node, s."""
@@ -89,7 +90,7 @@ def _remote(command: str, name: str, patience: float) -> Iterator[Any]:
 
 
 def _short(value: Any) -> Any:
-    """Plain values in which long lists of numbers are told by their count and range."""
+    """Plain values in which long lists of numbers are replaced by their count and range."""
     if isinstance(value, dict):
         return {key: _short(item) for key, item in value.items()}
     if isinstance(value, list) and len(value) > SHORT and all(isinstance(item, (int, float)) for item in value):
@@ -110,9 +111,10 @@ def _needs_ros(command: str) -> Iterator[None]:
     """Around the import of a node: raises InputError in one line without ROS 2 or the built messages."""
     try:
         yield
+        loaded()
     except ModuleNotFoundError as missing:
         if missing.name not in {"rclpy", "wheelset_track_msgs"}:
             raise
         raise InputError(
-            f"{command} needs ROS 2 Jazzy, and {missing.name} is not there: run make setup, or source the installation"
+            f"{command} needs ROS 2 Jazzy, but {missing.name} is not installed: run make setup, or source ROS 2"
         ) from None

@@ -32,13 +32,13 @@ def report(
     ``matching`` say how to read it and where it lies. Without ``out`` the page is beside the bag.
     """
     if out is not None and out.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"--out {out} is no page: give a name that ends in .html")
+        raise InputError(f"--out {out} is not a page: give a name that ends in .html")
     try:
         from ..report.page import write_report
     except ModuleNotFoundError as missing:
         if not (missing.name or "").startswith("bokeh"):
             raise
-        raise InputError("the page needs bokeh, which is not here: run make setup, or pip install bokeh") from None
+        raise InputError("the page needs bokeh, which is not installed: run make setup, or pip install bokeh") from None
     page = out or beside(bag, ".html")
     picture = picture or page.with_suffix(".png")
     check_picture(picture)

@@ -113,11 +113,11 @@ def verdict(found: Resimulation) -> list[str]:
     start = found.inputs.start
     if start:
         lines.append(
-            f"The bag does not hold what went in before step {start.step} ({start.time:.4f} s): the simulation begins "
-            "there in steady running, which the recorded run was not in."
+            f"The bag has no inputs from before step {start.step} ({start.time:.4f} s): the simulation starts there in "
+            "steady running, unlike the recorded run."
         )
     if found.unknown:
-        lines.append(f"The bag does not hold what came in revision {', '.join(map(str, found.unknown))}.")
+        lines.append(f"The bag does not contain the change of revision {', '.join(map(str, found.unknown))}.")
     lines += [f"Not compared: {what}." for what in (*found.left_out, *found.lost)]
     if found.identical:
         stresses = f"all stresses of {', '.join(found.nodes)}" if found.nodes else "no stresses"
@@ -139,17 +139,17 @@ def verdict(found: Resimulation) -> list[str]:
                 lines.append(f"Within 0.1 % of the static value {since}.")
     for revision, recorded, step in found.moved[:5]:
         lines.append(
-            f"Revision {revision} comes into force at step {step}, not {recorded}: a defect that changes is in the "
+            f"Revision {revision} takes effect at step {step}, not {recorded}: a defect that changes is in the "
             "contact patch there."
         )
     for name, (bag, here) in found.origin.items():
-        lines.append(f"Not as recorded: {name} {here}, in the bag {bag}.")
+        lines.append(f"{name} differs: {here} here, {bag} in the bag.")
     if found.origin and found.identical:
-        lines.append("These differences change no bit of the numbers that were compared.")
+        lines.append("These differences do not affect the numbers that were compared: they agree bit for bit.")
     if found.digests_differ:
         equal = ", which the equal numbers show to be the same" if found.identical and not found.settings else ""
         lines.append(
-            f"Recorded by version {found.digests_differ}, whose digests have another form: they do not tell whether "
-            f"wheelset and track are those of the bag{equal}."
+            f"Recorded by version {found.digests_differ}, whose digests have another form: they do not show whether "
+            f"wheelset and track are the same as in the bag{equal}."
         )
     return lines

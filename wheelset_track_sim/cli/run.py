@@ -24,6 +24,7 @@ from ..scenario.events import OF_NODE
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
 from .console import print_object, terminal
+from .contacts import contact, contact_words
 from .progress import shown
 
 CHUNK = 1389
@@ -57,7 +58,9 @@ def run(
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
     bag, form = out, None if out is None else form_of(out)
     if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
-        raise InputError(f"--out {out} is a table: options of bags need a bag, such as {out.with_suffix('.mcap')}")
+        raise InputError(
+            f"--out {out} is a table, and you gave options of bags: leave them out, or give {out.with_suffix('.mcap')}"
+        )
     for index, event in enumerate(what.events):
         for key in (name for name in OF_NODE if getattr(event, name)):
             warn(f"events.{index}.{key} is for the node, and does nothing here: --out records the whole run")
@@ -122,24 +125,6 @@ def conditions(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def contact(of: Summary) -> dict[str, Any]:
-    """How contacts without a force table were found, as commands print it with ``--json``."""
-    found = of.contacts
-    return {
-        "solved_steps": found.solved_steps,
-        "filtered_steps": found.filtered_steps,
-        "largest_estimate_N": found.largest_estimate,
-    }
-
-
-def contact_words(counts: dict[str, Any]) -> str:
-    """The same for people."""
-    solved, filtered = counts["solved_steps"], counts["filtered_steps"]
-    if not filtered:
-        return f"{solved} solved"
-    return f"{filtered} filtered, error up to {counts['largest_estimate_N']:.0f} N estimated; {solved} solved"
-
-
 def peaks(of: Summary) -> dict[str, Any]:
     """Extremes of forces and stresses, as commands print them with ``--json``."""
     return {
@@ -174,8 +159,8 @@ def table(result: dict[str, Any], when: str = "") -> Table:
     """The same for people: kN, MPa, ms; ``when`` the wheelset has the speed, if not always."""
     speed, load = in_unit(result["speed_m_s"], "km/h", "m/s"), result["axle_load_N"]
     shown_as = Table(
-        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time\n"
-        f"{speed}{when}, {in_unit(load, 'kN', 'N')} axle load ({in_unit(load, 't', 'N')}), "
+        title=f"{result['scenario']}: {result['simulated_s']:.4g} s, {result['real_time_factor']:.1f} x real time, "
+        f"without the start\n{speed}{when}, {in_unit(load, 'kN', 'N')} axle load ({in_unit(load, 't', 'N')}), "
         f"{result['wheelset']} on {result['track']}",
         title_justify="left",
         caption_justify="left",
@@ -192,7 +177,7 @@ def table(result: dict[str, Any], when: str = "") -> Table:
         shown_as.add_row(f"contact pressure {name}", f"{pressure['largest_Pa'] / 1e9:.2f} GPa", "", "")
     flags = [f"{name}: {each['flag']}" for name, each in result["pressures"].items() if each["flag"]]
     notes = ["at the largest force, " + "; ".join(flags)] if flags else []
-    if result["contact"]["solved_steps"] or result["contact"]["filtered_steps"]:
-        notes.append(f"contacts without a force table: {contact_words(result['contact'])}")
+    if words := contact_words(result["contact"]):
+        notes.append(f"contacts without a force table: {words}")
     shown_as.caption = "\n".join(notes) or None
     return shown_as

@@ -32,7 +32,7 @@ from .progress import shown
 CHUNK = 1000
 """Samples of a message in a bag."""
 LATEST = 2.0**31
-"""Time behind the last that a time stamp of ROS can tell, s."""
+"""Times from here on do not fit into a time stamp of ROS, s."""
 
 
 @dataclass(frozen=True)
@@ -96,11 +96,13 @@ def _block(path: Path, speed: float | None, reading: Reading | None) -> SampleBl
     found = read_measurement(path, reading)
     missing = [wheel for wheel in WHEELS if wheel not in found.signals]
     if missing:
-        raise InputError(f"{path} has no {' and no '.join(missing)}: the stress answers to the forces of both wheels")
+        raise InputError(
+            f"{path} has no {' and no '.join(missing)}: give the forces of both wheels, as the stress depends on both"
+        )
     if speed is not None:
         Running(speed)
     if found.axis == "position" and speed is None:
-        raise InputError(f"{path} is over the position: give the --speed at which it was run, m/s")
+        raise InputError(f"{path} holds forces over position: give --speed, at which the wheelset ran")
     even = evenly(found)
     start = float(found.origin) + even.start
     per_second = speed if found.axis == "position" and speed is not None else 1.0
@@ -146,9 +148,9 @@ def _write(out: Path, block: SampleBlock, source: Path, speed: float | None, inf
         write_csv(out, "time", time, signals, "Pa")
         return
     if out.suffix != ".mcap":
-        raise InputError(f"--out {out} is neither .csv nor .mcap: give one of these")
+        raise InputError(f"--out {out} ends neither in .csv nor in .mcap: give a name that does")
     if speed is None:
-        raise InputError(f"a bag says where each sample is: give the --speed at which {source} was measured, m/s")
+        raise InputError(f"a bag holds the position of each sample: give --speed, at which {source} was measured")
     with BagWriter(out, info, start_ns=_start_ns(block)) as bag:
         for first in range(0, len(block), CHUNK):
             bag.write(_with(block, block.stresses, block.nodes, slice(first, min(first + CHUNK, len(block)))))

@@ -25,7 +25,7 @@ from .console import terminal
 from .progress import shown
 
 ALL = "all"
-"""The name that stands for every shipped study."""
+"""The name that means every shipped study."""
 RESULTS = Path("results")
 
 
@@ -52,7 +52,9 @@ def study(name: str, changes: Sequence[str], out: Path | None, resources: Resour
     console = terminal()
     failed = sum(_carry_out(each, resources, console, parquet=parquet) for each in tasks)
     if failed:
-        raise WheelsetTrackError(f"{failed} run{'s' * (failed > 1)} failed, as told above; the others are kept")
+        raise WheelsetTrackError(
+            f"{failed} run{'s' * (failed > 1)} failed, see above; the results of the others are kept"
+        )
     return 0
 
 

@@ -142,7 +142,7 @@ class ContactGeometry:
             if angle > STEEPEST:
                 raise InputError(
                     f"wheel_{number} touches its rail at an angle of {angle:.2f} rad, {1e3 * abs(at):.1f} mm "
-                    f"{'inside' if at < 0 else 'outside'} the middle of the head, and the normal contact holds up to "
+                    f"{'inside' if at < 0 else 'outside'} the middle of the head, and the contact model is valid up to "
                     f"{STEEPEST:g} rad: give a smaller lateral_offset, or other profiles"
                 )
 

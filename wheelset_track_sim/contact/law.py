@@ -18,7 +18,7 @@ from ..runtime.progress import Progress
 from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
-from .law_kernels import ContactLaw
+from .law_kernels import SOLVED, UNTABLED, ContactLaw
 from .ordered.nested import hinges_of, nested_contacts, no_hinges, no_nested_contacts
 from .ordered.order_kernels import NestedContacts
 from .potential_area import evenly_spaced, potential_contact_area
@@ -111,6 +111,7 @@ def build_contact_law(
     largest_force: float = 600e3,
     hardness: float = np.inf,
     tables: bool | Literal["smooth"] = True,
+    smooth: ContactLaw | None = None,
     filtered: bool = False,
     progress: Progress | None = None,
 ) -> ContactLaw:
@@ -121,8 +122,10 @@ def build_contact_law(
     ``tables`` says whether the force-approach curves up to ``TABLE_FORCE`` are worked out beforehand, for every
     position on treads and rails at which an irregularity can bear. Without them, above that force, where an element
     yields, where tread and rail both have an irregularity, and where one is rough, the active set is solved in every
-    step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest.
-    With ``filtered`` and all tables, contacts without one may be filtered; the law's ``largest_estimate`` says which.
+    step. With ``"smooth"`` only the smooth tread has its curve: for few passages of a defect that is the fastest. The
+    curve is that of the law of ``smooth`` surfaces if it is given.
+    With ``filtered`` and tables, contacts that have none in any case may be filtered; the law's ``largest_estimate``
+    says which.
     Raises InputError for a grid that makes no sense and for what the irregularities refuse.
     """
     surfaces = rolling_surfaces(tuple(irregularities), geometry, dx, n_c, rail_steps, dy, largest_force)
@@ -134,6 +137,7 @@ def build_contact_law(
         table_force=min(largest_force, TABLE_FORCE),
         hardness=hardness,
         tables=tables,
+        smooth=smooth,
         filtered=filtered,
         progress=progress,
     )
@@ -148,6 +152,7 @@ def law_of_surfaces(
     table_force: float = TABLE_FORCE,
     hardness: float = np.inf,
     tables: bool | Literal["smooth"] = True,
+    smooth: ContactLaw | None = None,
     filtered: bool = False,
     progress: Progress | None = None,
 ) -> ContactLaw:
@@ -165,23 +170,29 @@ def law_of_surfaces(
     symmetric = (separation == separation[:, :, ::-1]).all(axis=(1, 2))
     influence = influence_table(nx, ny, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
 
-    table, rail_table, smooth = np.full((2, n_c), -1, np.int32), np.full(rail_row.shape, -1, np.int32), 0
+    table, rail_table, own = np.full((2, n_c), UNTABLED, np.int32), np.full(rail_row.shape, UNTABLED, np.int32), 0
     first, points = np.zeros(1, np.int64), np.zeros((0, 2))
+    filtered = filtered and bool(tables) and hardness == np.inf
     if tables:
-        placed = windows(tread, rail_row, rail, separation, sharper.approach(table_force))
-        gaps, table, rail_table, smooth = placed
+        gaps, table, rail_table, own = windows(tread, rail_row, rail, separation, sharper.approach(table_force))
+        filtered &= _solves(table, rail_table, own)
         if tables == "smooth":
-            gaps = gaps[:smooth]
-            table, rail_table = (np.where(each >= smooth, np.int32(-1), each) for each in (table, rail_table))
-        stored = force_tables(gaps, influence, dx * dy, table_force, hardness, progress)
-        first, points = stored.first, stored.points
+            gaps = gaps[:own]
+            table, rail_table = (np.where(each >= own, SOLVED, each) for each in (table, rail_table))
+        if tables == "smooth" and smooth is not None:
+            first, points = smooth.first_point, smooth.points
+        else:
+            stored = force_tables(gaps, influence, dx * dy, table_force, hardness, progress)
+            first, points = stored.first, stored.points
     nested = (no_nested_contacts(),) * 2
-    if solves := _solves(table, rail_table, smooth):
+    if _solves(table, rail_table, own):
         nested = _nested(geometry, x, y, separation)
     hinges = no_hinges()
-    if solves and filtered and tables is True and hardness == np.inf:
+    if filtered:
         different = nested[:1] if nested[1] is nested[0] else nested
-        hinges = hinges_of(different, ny, geometry.contact_modulus, dx, dy)
+        along = dx * np.arange(-nx, nx + 1)
+        fall = np.stack([geometry.separation(wheel, along, touch[wheel]) for wheel in range(len(different))])
+        hinges = hinges_of(different, fall, ny, geometry.contact_modulus, dx, dy)
     return ContactLaw(
         tread=tread,
         rail_row=rail_row,
@@ -195,7 +206,7 @@ def law_of_surfaces(
         element_area=dx * dy,
         hardness=float(hardness),
         table=table,
-        smooth_tables=smooth,
+        smooth_tables=own,
         rail_table=rail_table,
         first_point=first,
         points=points,
@@ -242,7 +253,5 @@ def _highest_within(top: Real, nx: int) -> Real:
 def _mirrored_within(tread: Real, nx: int) -> NDArray[np.bool_]:
     """Whether all rows within nx // 2 of each row are symmetric about the middle, (2, n_c)."""
     skew = (tread != tread[:, :, ::-1]).any(axis=2)
-    near: NDArray[np.bool_] = np.zeros_like(skew)
-    for offset in range(-(nx // 2), nx // 2 + 1):
-        near |= np.roll(skew, offset, axis=1)
+    near: NDArray[np.bool_] = maximum_filter1d(skew, nx, axis=1, mode="wrap")
     return np.logical_not(near)

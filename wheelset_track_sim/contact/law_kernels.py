@@ -39,6 +39,11 @@ from .ordered.nested_kernels import solve_in_order
 from .ordered.order_kernels import FAR, NestedContacts, gaps_in_order
 from .yielding_kernels import exceeds, solve_yielding
 
+UNTABLED = -1
+"""Instead of the number of a force table: there is none, filter or solve."""
+SOLVED = -2
+"""The same where only smooth surfaces have a table: solve."""
+
 
 class ContactLaw(NamedTuple):
     """Both contacts, as plain arrays for compiled code; made by ``build_contact_law``."""
@@ -66,11 +71,11 @@ class ContactLaw(NamedTuple):
     hardness: float
     """Largest pressure, Pa; infinite for an elastic contact."""
     table: NDArray[np.int32]
-    """Force table of each tread position on a smooth rail, (2, n_c); -1 to solve."""
+    """Force table of each tread position on a smooth rail, (2, n_c), or UNTABLED, or SOLVED."""
     smooth_tables: int
     """The first so many tables are of smooth treads."""
     rail_table: NDArray[np.int32]
-    """Force table of each rail position under a smooth tread, (2, n_r); 0 is a smooth rail, -1 to solve."""
+    """Force table of each rail position under a smooth tread, (2, n_r), likewise; 0 is a smooth rail."""
     first_point: NDArray[np.int64]
     """Where each force table starts in ``points``, and where the last ends, (tables + 1,)."""
     points: Real
@@ -250,11 +255,11 @@ def table_force(points: Real, first: int, end: int, approach: float, compliance:
 
 @inner_kernel
 def table_number(law: ContactLaw, wheel: int, tread_index: int, rail_index: int) -> np.int32:
-    """Force table of these positions, both within the lengths of treads and rails; -1 for none."""
+    """Force table of these positions, both within the lengths of treads and rails; below 0 for none."""
     number: np.int32
     number, of_rail = law.table[wheel, tread_index], law.rail_table[wheel, rail_index]
     if of_rail != 0:
-        number = of_rail if 0 <= number < law.smooth_tables else np.int32(-1)
+        number = of_rail if 0 <= number < law.smooth_tables else np.int32(UNTABLED)
     return number
 
 

@@ -1,7 +1,7 @@
 """Which way the axes of a lateral profile point, recognised from its shape.
 
 Files of wheels and rails count heights upwards or downwards, and lateral positions to the field side, to the track's
-side, or to the left. A wheel shows it by its flange, which is on the track's side and has the larger radius; a rail
+side, or to the left. A wheel shows it by its flange, which is on the gauge side and has the larger radius; a rail
 shows by its crown where up is.
 """
 
@@ -89,7 +89,8 @@ def _of_wheel(y: Real, z: Real) -> dict[str, str]:
         return {}
     if max(above.sum(), below.sum()) < CLEAR * min(above.sum(), below.sum()):
         raise InputError(
-            "z is high and low beside the tread, so that the flange is not clear: give turn: none, y, z or both"
+            "z has a hump and a groove of similar size beside the tread, so either may be the flange: give turn: none, "
+            "y, z or both"
         )
     flange = above if above.sum() > below.sum() else below
     place = int(np.abs(np.where(flange, away, 0.0)).argmax())
@@ -106,8 +107,8 @@ def _check_wheel(y: Real, z: Real, *, sure: bool) -> None:
     away = z - np.median(z)
     if away.max() > HIGHEST or 0.0 < np.ptp(z) < FLATTEST:
         raise InputError(
-            f"z of a wheel goes from {z.min():.3g} to {z.max():.3g} m, and a flange is up to {HIGHEST:g} m high: give "
-            "the unit in which z is"
+            f"z of a wheel goes from {z.min():.3g} to {z.max():.3g} m, and flanges are up to {HIGHEST:g} m high: give "
+            "the unit of z"
         )
     tip = float(y[away.argmax()])
     if away.max() > FLANGE and not TIP[0] < tip < TIP[1]:
@@ -118,7 +119,7 @@ def _check_wheel(y: Real, z: Real, *, sure: bool) -> None:
     outside = float(z[-1] - np.interp(0.0, y, z))
     if outside > FIELD_RISE and not sure:
         raise InputError(
-            f"z at the field side is {1e3 * outside:.3g} mm above that at y = 0, where a tread falls by some mm: give "
+            f"z at the field side is {1e3 * outside:.3g} mm above z at y = 0, but a tread falls by some mm there: give "
             "turn: y, z or both, or turn: none to use it as it is"
         )
 
@@ -134,8 +135,8 @@ def _of_rail(y: Real, z: Real, name: str) -> dict[str, str]:
     gauge, field = np.interp([-CORNER, CORNER], y, z, left=np.nan, right=np.nan)
     if gauge - field > MIRRORED:
         warn(
-            f"{name}: the corner at y = {1e3 * CORNER:+g} mm is {1e3 * (gauge - field):.3g} mm lower than that of the "
-            "gauge face, as if worn more: give turn: y if y counts to the track's side, or turn: none"
+            f"{name}: the corner at y = {1e3 * CORNER:+g} mm is {1e3 * (gauge - field):.3g} mm lower than at "
+            "the gauge face, as if worn more: give turn: y if y counts to the gauge side, or turn: none"
         )
     return turned
 
@@ -145,7 +146,7 @@ def _check_rail(y: Real, z: Real) -> None:
     if max(height[0], height[-1]) > np.interp(0.0, even, height):
         raise InputError("z rises from the middle of the head to an end of the points: give z positive upwards")
     if 0.0 < np.ptp(z) < FLATTEST:
-        raise InputError(f"z of a rail goes from {z.min():.3g} to {z.max():.3g} m only: give the unit in which z is")
+        raise InputError(f"z of a rail goes from {z.min():.3g} to {z.max():.3g} m only: give the unit of z")
     top = int(height.argmax())
     for depth in (0.014, 0.010, 0.006):
         low = height < height[top] - depth

@@ -68,7 +68,7 @@ def read_points(side: str, given: ProfileFile) -> ProfileColumns:
         y, z = np.array(points.y), np.array(points.z)
     elif suffix in SIMPACK:
         if SIMPACK[suffix] != side:
-            raise InputError(f"{path} is the Simpack file of a {SIMPACK[suffix]}: give that of a {side}")
+            raise InputError(f"{path} is the Simpack file of a {SIMPACK[suffix]}: give the file of a {side}")
         y, z = _simpack(read_text(path), given.file)
     elif suffix in MINIPROF:
         y, z = columns_of(read_table(path), given.column or "2", "mm")
@@ -106,7 +106,9 @@ def columns_of(table: ColumnTable, column: str = "", unit: str = "") -> tuple[Re
     elif found := table.find("z"):
         high = found
     elif named or len(table.columns) != 2:
-        raise InputError(f"{table.source} has no column z: give column: the one of the heights, of {table.listed()}")
+        raise InputError(
+            f"{table.source} has no column z: give column, the name of the column of heights: {table.listed()}"
+        )
     else:
         high = table.columns[1]
     across = table.find("y") or table.columns[0]
@@ -153,7 +155,7 @@ def _simpack(text: str, name: str) -> tuple[Real, Real]:
         factor = number("units.len.f", 1.0)
     except ValueError as reason:
         raise InputError(
-            f"{name} is no Simpack profile ({reason}): give keys with numbers, and rows of y and z"
+            f"{name} is not a Simpack profile ({reason}): give keys with numbers, and rows of y and z"
         ) from None
     return y / factor, -z / factor
 

@@ -156,7 +156,8 @@ class Points:
         y, z = self.y, self.z
         if y.ndim != 1 or y.shape != z.shape or not FEWEST <= len(y) <= MOST:
             raise InputError(
-                f"a profile of {y.size} y and {z.size} z cannot be used: give both of {FEWEST} to {MOST} points"
+                f"a profile of {y.size} y and {z.size} z cannot be used: give equally many of both, from {FEWEST} "
+                f"to {MOST}"
             )
         if not (np.isfinite(y).all() and np.isfinite(z).all()):
             number = int(np.flatnonzero(~(np.isfinite(y) & np.isfinite(z)))[0])
@@ -165,13 +166,14 @@ class Points:
         if not (apart > 0.0).all():
             number = int(np.flatnonzero(apart <= 0.0)[0]) + 1
             raise InputError(
-                f"y = {y[number]:g} m of point {number} does not rise: give points from the track's side to the field "
-                "side, without what overhangs"
+                f"y = {y[number]:g} m of point {number} does not rise: give points from the gauge side to the field "
+                "side, without overhanging parts"
             )
         if apart.max() > WIDEST:
             number = int(apart.argmax())
             raise InputError(
-                f"points {number} and {number + 1} are {apart[number]:.3g} m apart: give {WIDEST:g} m or less"
+                f"points {number} and {number + 1} are {apart[number]:.3g} m apart: give points at most {WIDEST:g} "
+                "m apart"
             )
         if y[0] > -LEAST_REACH or y[-1] < LEAST_REACH:
             raise InputError(

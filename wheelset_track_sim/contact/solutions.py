@@ -1,4 +1,4 @@
-"""Single solutions of a contact law: a patch, a force, the approach that bears a force."""
+"""Single solutions of a contact law: a patch, a force, the approach that gives a force."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REASONS = {
 }
 
 MOST_STEPS = 200
-"""Of the search for the approach that bears a force, which takes about ten."""
+"""Of the search for the approach that gives a force, which takes about ten."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ def approach_for_force(
     the law cannot bear.
     """
     if not 0.0 <= force < np.inf:
-        raise InputError(f"force = {force:g} N is out of range: give a force that presses, from 0 N")
+        raise InputError(f"force = {force:g} N is out of range: give a compressive force, 0 N or more")
     number = law.table[wheel, tread_index % law.table.shape[1]]
     on_rail = law.rail_table[wheel, rail_index % law.rail_table.shape[1]]
     if on_rail != 0:
@@ -204,5 +204,5 @@ def _yielding_approach(
 
 def _not_borne(wheel: int, tread_index: int, rail_index: int, force: float) -> ContactError:
     return ContactError(
-        f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} does not bear {force:g} N"
+        f"contact of {WHEELS[wheel]} at tread step {tread_index}, rail step {rail_index} cannot carry {force:g} N"
     )

@@ -24,7 +24,7 @@ OFTEN = 8
 
 
 class Windows(NamedTuple):
-    """Distinct separations of wheel and rail within the potential contact area, and where each stands."""
+    """Distinct separations of wheel and rail within the potential contact area, and where each occurs."""
 
     gaps: list[Real]
     """Separations, heights included, each (nx, ny), m."""
@@ -108,7 +108,7 @@ class _Search:
         return number
 
     def _number(self, ids: NDArray[np.int32], key: bytes, base: int) -> int:
-        """Of the window of some rows, which is that of a smooth surface if they cannot bear."""
+        """Of the window of some rows, or the window of a smooth surface if these rows cannot carry a load."""
         nominal = self.gaps[base]
         if (base, key) not in self._found:
             window = self._rows[ids]

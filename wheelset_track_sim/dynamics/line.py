@@ -29,12 +29,12 @@ from ..runtime.jit import Address
 from ..runtime.one_core import on_one_core
 from ..track.line import TrackLine
 from .banks import aligned
-from .line_bay_kernels import COLUMNS, FACTORS, HALF, MIDDLE, NODES, RAIL_MODES, ROWS, SLEEPER
+from .line_bay_kernels import COLUMNS, FACTORS, MIDDLE, NODES, RAIL, ROWS, STATES, R
 from .line_kernels import Bays, Line, move
 from .line_steps import line_parts, line_steps
 from .running_wheelset import RunningWheelset
 
-STATE = tuple(name for name in Bays._fields if name not in ("parts", "steps"))
+STATE = tuple(name for name in Bays._fields if name not in ("parts", "steps", "before"))
 """Arrays of the bays that change from step to step."""
 
 
@@ -66,20 +66,22 @@ class LineModel(RunningWheelset):
         state = self.standing(wheel_load, dx / speed)
         coming = np.zeros((2, 2))
         coming[0] = (self.wheelset.outputs @ state).real
+        parts = line_parts(self.line, dx)
         bays = Bays(
             coming=coming,
             rail_compliance=np.zeros(1),
-            deflection=_standing(self.line, sleeper, step * dx, wheel_load),
-            velocity=np.zeros(ROWS * COLUMNS),
-            acceleration=np.zeros(ROWS * COLUMNS),
-            load=np.zeros(ROWS * COLUMNS),
-            work=np.zeros((4 * HALF + 4) * COLUMNS),
+            motion=_standing(self.line, sleeper, step * dx, wheel_load),
             window=np.zeros(FACTORS * COLUMNS),
+            chain=np.zeros((COLUMNS, 32)),
             hub=np.zeros((12, 12)),
-            push=np.ones(7 + 3 * RAIL_MODES),
+            work=np.zeros((3, 12)),
+            hung=np.zeros(COLUMNS + 1, np.int64),
+            push=np.zeros((COLUMNS, STATES + 2)),
+            nodes=np.zeros(2 * STATES + 3 * parts.nodes.shape[1]),
             at=np.array([sleeper, 0]),
-            parts=line_parts(self.line, dx),
+            parts=parts,
             steps=steps,
+            before=steps,
         )
         mover = _mover(bays)
         move(bays, step, 0.0, 0.0)  # nothing is loaded yet, so nothing moves
@@ -98,9 +100,7 @@ class LineModel(RunningWheelset):
 
         For the one step at which the speed changes, ``behind`` is the speed with which that step was reached.
         """
-        if dynamics.speed != speed:
-            dynamics.bays.at[1] = 0
-        bays = dynamics.bays._replace(steps=line_steps(self.line, self.residual, dx, speed))
+        bays = dynamics.bays._replace(steps=line_steps(self.line, self.residual, dx, speed), before=dynamics.bays.steps)
         wheels = self.at(self.state_of(dynamics.wheels), dx, speed, behind)
         return dynamics._replace(**wheels._asdict(), bays=bays, speed=speed)
 
@@ -140,12 +140,17 @@ def _mean_compliance(line: TrackLine) -> Real:
 
 
 def _standing(line: TrackLine, sleeper: int, x: float, wheel_load: float) -> Real:
-    """Deflections (ROWS COLUMNS,) of the bays around ``sleeper`` under loads at ``x`` m, at most half a bay from it."""
+    """Motion (ROWS COLUMNS,) of the bays around ``sleeper`` at rest under loads at ``x`` m, at most half a bay from it.
+
+    Rows R hold u* of sleepers, before y.
+    """
     first = sleeper - MIDDLE
     K = line.matrices(first, COLUMNS)[2]
     rows = line.rows(x, 0, first, COLUMNS) + line.rows(x, 1, first, COLUMNS)
     load = rows.toarray()[0] * wheel_load
-    deflection = np.zeros((ROWS, COLUMNS))
-    deflection[: line.size, :NODES] = splu(K).solve(load).reshape(COLUMNS, -1).T[:, :NODES]
-    deflection[4:SLEEPER, NODES - 1] = 0.0
-    return deflection.ravel()
+    deflection = splu(K).solve(load).reshape(COLUMNS, -1).T
+    motion = np.zeros((ROWS, COLUMNS))
+    motion[:RAIL, :NODES] = deflection[:RAIL, :NODES]
+    motion[4:RAIL, NODES - 1] = 0.0
+    motion[R : R + len(deflection) - RAIL, :NODES] = deflection[RAIL:, :NODES]
+    return motion.ravel()

@@ -4,15 +4,19 @@ Problem. The unknowns of the bays around the wheels obey, with the matrices of `
 
     M u'' + C u' + K u = f(t)
 
-    u   m, rad, sqrt(kg) m       ``deflection``: deflections, rotations, modes of mass 1; v and a are their rates
+    u   m, rad, sqrt(kg) m       deflections, rotations, modes of mass 1; v and a are their rates
     f   N, N m, N / sqrt(kg)     loads of the wheels, of hanging sleepers and of the dampers at both ends
     dt  s                        step
 
 Step: Newmark's with gamma = 1/2 and beta = 1/12, also known as Fox and Goodwin's::
 
-    u* = u + dt v + 5/12 dt^2 a,     v* = v + dt/2 a                                              ``predict``
+    u* = u + dt v + 5/12 dt^2 a,     v* = v + dt/2 a
     S a' = f - C v* - K u*,          S = M + dt/2 C + kappa K,    kappa = (1/12 + alpha) dt^2
-    u' = u* + dt^2/12 a',            v' = v* + dt/2 a'                                            ``correct``
+    u' = u* + dt^2/12 a',            v' = v* + dt/2 a'
+
+The state that is stored is the predictor u*, v* of the coming step. The lines above advance it by::
+
+    v* <- v* + dt a',    u* <- u* + dt v*
 
 Without damping and with alpha = 0, a mode of frequency omega turns by theta a step. With W = omega dt,
 cos theta = 1 - W^2 / (2 + W^2 / 6). So theta = W (1 + W^4 / 480 + ...): the amplitude is kept, and the period is too
@@ -23,37 +27,49 @@ Statics do not depend on either.
 Hanging sleepers and end dampers act through u* and v* alone, not through S. A damper c on the inertia m is then stable
 while c dt < 2 m; ``line.line_model`` and ``line_steps.END_LOSS`` keep to that.
 
-Condensation. Only the rails join bays, so S is solved in stages. e_r is the deflection of the sleeper's modes at the
-seat of rail r. k_r and c_r are stiffness and damping of the pad of rail r; K_r and C_r belong to the ballast under its
-half of the sleeper, which acts on the modes with the matrix B_r::
+Condensation. Only the rails join bays, so S is solved in stages. First the modes of the rail between nodes b and b + 1,
+with e_i = omega_i^2 / m_i u*_i, are condensed into both nodes::
 
-    rail modes    m_i a_i + c_i.[a_b, a_b+1] = f_i          between nodes b and b + 1; a_b of w, theta of both rails
-    sleeper       S_s a_s - sum_r p_r e_r a_w,r = f_s       p_r = kappa k_r + dt/2 c_r
-                  S_s = 1 + kappa Lambda + sum_r (kappa K_r + dt/2 C_r) B_r + sum_r p_r e_r e_r^T
-    so            a_i = (f_i - c_i.[a_b, a_b+1]) / m_i
-                  a_s = S_s^-1 f_s + sum_r h_r a_w,r        h_r = S_s^-1 p_r e_r (REACH), S_s^-1 (INVERSE)
+    m_i a_i + c_i.[a_b, a_b+1] = -omega_i^2 u*_i       so      a_i = -e_i - c_i.[a_b, a_b+1] / m_i
 
-A chain of nodes remains, N_b a_b + T a_b+1 + T^T a_b-1 = g_b. Its loads are the nodes' own, less c_i f_i / m_i of all
-modes i of the spans on both sides, plus h_r.f_s on the deflection of rail r (``load_rails``). The chain is eliminated
-from both ends towards the three nodes around the wheels. Behind them::
+A span is symmetric about its middle: its modes are symmetric or antisymmetric in turn, and couple to w_b + w_b+1 and
+theta_b - theta_b+1, or to w_b - w_b+1 and theta_b + theta_b+1. Its stiffness splits in the same way.
 
-    P_b = N_b - T^T P_b-1^-1 T,    g_b+1 <- g_b+1 - (P_b^-1 T)^T g_b        ``sweep``; P_b^-1 (SOLVE), P_b^-1 T (CARRY)
+A sleeper on its ballast, with both pads, has the modal deflections u_s and the matrices K_s, C_s and S_s. e_r is its
+deflection at the seat of rail r. The pad of rail r, with stiffness k_r and damping c_r, gets g_r from the rail::
+
+    g_r = k_r w_r + c_r w_r' = g*_r + p_r a_w,r        p_r = kappa k_r + dt/2 c_r       g*_r with w*_r, w'*_r
+    S_s a_s = e_1 g_1 + e_2 g_2 - C_s v*_s - K_s u*_s
+
+So x = [u*_s, dt v*_s] advances by a fixed matrix of the bay, x <- A x + B g. With a basis T of its eigenvectors, r =
+T^-1 x falls into ten pairs of real states that advance alone (``line_steps`` derives A, B, T)::
+
+    [r, q] <- [[alpha, -beta], [beta, alpha']] [r, q] + G [g_1, g_2]      alpha = alpha' or beta = 0      (FACTOR, GAIN)
+    back_r = o_r.r                                                        what the sleeper's motion pushes back (OUTPUT)
+    load on w_r: back_r - sum_j E_rj g*_j                                 E = 1 - p_r e_r.S_s^-1 e_j            (DIRECT)
+
+It is the same step, in 12 multiply-adds a pair instead of 40 a mode.
+
+A chain of nodes remains, N_b a_b + T a_b+1 + T^T a_b-1 = g_b. The chain is eliminated from both ends towards the three
+nodes around the wheels. Behind them::
+
+    P_b = N_b - T^T P_b-1^-1 T,    g_b+1 <- g_b+1 - (P_b^-1 T)^T g_b        ``sweep``; P_b^-1 (SOLVE), P_b^-1 T (chain)
     a_b = P_b^-1 g_b - P_b^-1 T a_b+1                                       ``spread``
 
 and ahead of them the same with T^T for T. The middle three are solved with their inverse (``line_kernels``). P_b is
 worked out for a line without ends. P^-1 T has eigenvalues up to 0.06, so P_b depends on some eight nodes.
 
 Around the wheels a step with whole matrices gives the same accelerations to 1e-9
-(``tests/dynamics/test_line_kernels.py``). Cost: 48 columns times some 600 multiply-adds a step, whatever the length of
+(``tests/dynamics/test_line_kernels.py``). Cost: 48 columns times some 300 multiply-adds a step, whatever the length of
 the line.
 
-Memory. Each unknown has a row of ``COLUMNS`` numbers, one for each bay, and all rows are one array. The distances in
-memory are then known to the compiler, as in ``causal_kernels``. Rows: deflection and rotation of rail 1 and of rail 2
-above a sleeper; the modes of rail 1 and of rail 2 up to the next sleeper; the modes of the sleeper, symmetric ones
-first. The wheels are within half a bay of the column ``MIDDLE``.
+Memory. Each unknown has a row of ``COLUMNS`` numbers, one for each bay, and all rows are one array, ``motion``. The
+distances in memory are then known to the compiler, as in ``causal_kernels``; with several arrays it would give up to
+prove that they do not overlap. The wheels are within half a bay of the column ``MIDDLE``. What a loop needs of the next
+column it would have to load off the border of a register, so spans store what they do to their far end one column on.
 
 Sources: N. M. Newmark, J. Eng. Mech. Div. ASCE 85 (1959) 67-94; L. Fox and E. T. Goodwin, Math. Proc. Cambridge Phil.
-Soc. 45 (1949) 373-388. The condensation is derived here.
+Soc. 45 (1949) 373-388. The condensation and the sleeper's pairs are derived here.
 """
 
 from __future__ import annotations
@@ -62,7 +78,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..runtime.jit import block_kernel
+from ..runtime.jit import bare_kernel
 
 COLUMNS = 48
 """Columns in memory; the last is empty."""
@@ -79,277 +95,213 @@ RAIL_MODES = 4
 HALF = 5
 """Symmetric modes of a sleeper, and antisymmetric ones."""
 
-SLEEPER = 4 + 2 * RAIL_MODES
-"""Row of the first mode of a sleeper."""
+STATES = 4 * HALF
+"""Numbers of a sleeper's state."""
 
-ROWS = SLEEPER + 2 * HALF
+RAIL = 4 + 2 * RAIL_MODES
+"""Unknowns of both rails in a bay: deflection and rotation of rail 1 and 2 above a sleeper, then the modes of rail 1
+and of rail 2 up to the next sleeper."""
 
-PADS, BEDS, GAPS, HUNG, REACH = 0, 4, 8, 10, 14
-INVERSE = REACH + 4 * HALF
-SOLVE = INVERSE + 4 * HALF * HALF
-CARRY = SOLVE + 16
-FACTORS = CARRY + 16
+U, V = 0, RAIL
+R = V + RAIL
+BACK = R + STATES
+KEPT = BACK + 2
+A = KEPT
+LOAD = A + 4
+PAD = LOAD + 4
+SPAN = PAD + 2
+BEFORE = SPAN + 8
+ROWS = BEFORE + STATES
+"""First rows of the parts of ``Bays.motion``, and their number.
+
+U, V: u* and v* of the rails. R: states of the sleepers. BACK: what their motion pushes back on rail 1 and 2, N. Rows up
+to KEPT are the state, and move on with the wheels. A: accelerations of the nodes. LOAD: loads on the nodes. PAD: g*.
+SPAN: load of a span on its near node, and one column on that on its far node: w and theta each, of rail 1, then of
+rail 2. BEFORE: states of the sleepers before the step at which the speed changes.
+"""
+
+STIFF, DAMP, IMPLICIT, DIRECT = 0, 2, 4, 6
+FACTOR = DIRECT + 4
+GAIN = FACTOR + 3 * HALF * 2
+OUTPUT = GAIN + 2 * STATES
+SOLVE = OUTPUT + 2 * STATES
+FACTORS = SOLVE + 16
 """First rows of the parts of ``LineSteps.factors``, and their number.
 
-PADS: stiffness of the pads of rail 1 and 2, N/m, then damping, N s/m. BEDS: ballast that holds both ways, sum and
-difference of the stiffness under both halves, then of the damping. GAPS: gap of either side, m; NaN where the ballast
-holds both ways. HUNG: ballast below gaps, stiffness of both sides, then damping. REACH: h_1 and h_2. INVERSE: S_s^-1.
-SOLVE and CARRY: P^-1 and P^-1 T of nodes behind the wheels; the same for nodes ahead follows after FACTORS.
+STIFF and DAMP: k and c of the pads of rail 1 and 2. IMPLICIT: p of both. DIRECT: E. FACTOR: alpha - 1, alpha' - 1 and
+beta of each pair. GAIN: G of each pair, r by g_1 and g_2, q by g_1 and g_2. OUTPUT: o of each pair, r on rail 1 and 2,
+q on rail 1 and 2. SOLVE: P^-1 of nodes behind the wheels; the same for nodes ahead follows after FACTORS.
 """
 
 
 class LineParts(NamedTuple):
     """What is the same in all bays and at all speeds."""
 
-    stiffness: np.ndarray  # (4, 4) of a rail between two sleepers, of its ends [w, theta, w, theta]
-    modes: np.ndarray  # (RAIL_MODES,) rad^2/s^2 of the rail's modes with held ends
-    coupling: np.ndarray  # (4, RAIL_MODES) c: mass between ends and modes
-    sleeper: np.ndarray  # (2 HALF,) Lambda, rad^2/s^2
-    seat: np.ndarray  # (2 HALF,) e_1; e_2 has the other sign in antisymmetric modes
-    ballast: np.ndarray  # (2 HALF, 2 HALF) B_1; B_2 has the other sign between modes of different symmetry
-    nodes: np.ndarray  # (nodes, 2 HALF) deflection of the sleeper's nodes; none on slab track
+    bend: float  # N m/rad of a span against theta_b - theta_b+1, on both ends
+    shear: np.ndarray  # (3,) of a span against w_b - w_b+1 (N/m), both (N/rad), theta_b + theta_b+1 (N m/rad)
+    coupling: np.ndarray  # (2, RAIL_MODES) c: mass between w and theta of the near end and the modes
+    nodes: np.ndarray  # (2 HALF, nodes) deflection of the sleeper's nodes in its modes; none on slab track
     shares: np.ndarray  # (2, nodes) of the ballast under the half of rail 1 and 2 that acts on each node
     turn: float  # m^2, rotational over vertical stiffness of a pad, and damping likewise
     losses: np.ndarray  # (2 COLUMNS,) N s/m, then N m s: end dampers of deflection and rotation
     shapes: np.ndarray  # (L, 6 + 2 RAIL_MODES) shapes of three nodes and of the modes behind and ahead, at L places
 
 
-@block_kernel
-def predict(u: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float) -> None:
-    """Replace ``u`` and ``v``, (ROWS COLUMNS,), by u* and v* of the coming step of ``dt`` s."""
-    ahead, half = dt * dt * (5.0 / 12.0), dt / 2.0
-    for b in range(ROWS * COLUMNS):
-        u[b] += dt * v[b] + ahead * a[b]
-        v[b] += half * a[b]
+@bare_kernel
+def load_spans(parts: LineParts, squared: np.ndarray, motion: np.ndarray) -> None:
+    """Fill the rows SPAN with what each span does to its ends, its modes condensed.
 
-
-@block_kernel
-def load_pads(parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray, load: np.ndarray) -> None:
-    """Fill the rows of nodes of ``load`` with the loads of pads and end dampers on the rails of slab track.
-
-    Parameters as in ``load_sleepers``.
+    ``squared`` is omega_i^2 / m_i, (RAIL_MODES,), 1/s^2.
     """
+    n, m, c = COLUMNS, motion, parts.coupling
+    q0, q1, q2, q3 = squared[0], squared[1], squared[2], squared[3]
+    w0, w1, w2, w3 = c[0, 0], c[0, 1], c[0, 2], c[0, 3]
+    t0, t1, t2, t3 = c[1, 0], c[1, 1], c[1, 2], c[1, 3]
+    bend, k_w, k_wt, k_t = parts.bend, parts.shear[0], parts.shear[1], parts.shear[2]
     for rail in range(2):
-        k, c, on = (PADS + rail) * COLUMNS, (PADS + 2 + rail) * COLUMNS, 2 * rail * COLUMNS
-        for b in range(COLUMNS):
-            w, t = on + b, on + COLUMNS + b
-            lost, turned = parts.losses[b], parts.losses[COLUMNS + b]
-            load[w] = -window[k + b] * u[w] - (window[c + b] + lost) * v[w]
-            load[t] = -parts.turn * window[k + b] * u[t] - (parts.turn * window[c + b] + turned) * v[t]
+        w, t, mode, span = (U + 2 * rail) * n, (U + 2 * rail + 1) * n, (U + 4 + 4 * rail) * n, (SPAN + 4 * rail) * n
+        for b in range(NODES - 1):
+            across, turned = m[w + b] - m[w + b + 1], m[t + b] + m[t + b + 1]
+            e0, e1 = q0 * m[mode + b], q1 * m[mode + n + b]
+            e2, e3 = q2 * m[mode + 2 * n + b], q3 * m[mode + 3 * n + b]
+            even_w = w0 * e0 + w2 * e2
+            even_t = t0 * e0 + t2 * e2 - bend * (m[t + b] - m[t + b + 1])
+            odd_w = w1 * e1 + w3 * e3 - k_w * across - k_wt * turned
+            odd_t = t1 * e1 + t3 * e3 - k_wt * across - k_t * turned
+            m[span + b], m[span + n + b] = even_w + odd_w, even_t + odd_t
+            m[span + 2 * n + b + 1], m[span + 3 * n + b + 1] = even_w - odd_w, odd_t - even_t
 
 
-@block_kernel
-def load_sleepers(
-    parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray, load: np.ndarray, work: np.ndarray
-) -> None:
-    """Fill the rows of nodes and sleepers of ``load`` with what pads, ballast, sleepers and end dampers do.
+@bare_kernel
+def load_nodes(parts: LineParts, window: np.ndarray, motion: np.ndarray) -> None:
+    """Fill the rows LOAD, and PAD with g*: spans on both sides, pads, sleepers and end dampers on the nodes.
 
-    The ballast under the two halves does k_1 B_1 + k_2 B_2 to the modes. B_1 and B_2 agree between modes of the same
-    symmetry and differ in sign between others, so the former take k_1 + k_2 and the latter k_1 - k_2. Likewise the sum
-    of both pads' forces acts on symmetric modes, their difference on antisymmetric ones.
-
-    Parameters
-    ----------
-    parts, window
-        Parts of the bays, and their rows of factors, (FACTORS COLUMNS,).
-    u, v
-        u* and v*, (ROWS COLUMNS,).
-    load
-        Filled, (ROWS COLUMNS,), N, N m, N / sqrt(kg).
-    work
-        Scratch, ((4 HALF + 4) COLUMNS,): k_1 + k_2, then k_1 - k_2, times each mode; deflection and rate at the seats.
+    ``window`` are the factors of the bays at hand, (FACTORS COLUMNS,).
     """
-    n = COLUMNS
-    for j in range(2 * HALF):
-        p, total, difference = (SLEEPER + j) * n, j * n, (2 * HALF + j) * n
-        for b in range(n):
-            deflection, rate = u[p + b], v[p + b]
-            work[total + b] = window[BEDS * n + b] * deflection + window[(BEDS + 2) * n + b] * rate
-            work[difference + b] = window[(BEDS + 1) * n + b] * deflection + window[(BEDS + 3) * n + b] * rate
-    seat, even, odd = parts.seat, 4 * HALF * n, (4 * HALF + 1) * n
-    for side in range(2):
-        s0, s1, s2, s3, s4 = (
-            seat[5 * side],
-            seat[5 * side + 1],
-            seat[5 * side + 2],
-            seat[5 * side + 3],
-            seat[5 * side + 4],
-        )
-        p, at = (SLEEPER + HALF * side) * n, (4 * HALF + 2 * side) * n
-        for b in range(n):
-            i = p + b
-            work[at + b] = s0 * u[i] + s1 * u[i + n] + s2 * u[i + 2 * n] + s3 * u[i + 3 * n] + s4 * u[i + 4 * n]
-            work[at + n + b] = s0 * v[i] + s1 * v[i + n] + s2 * v[i + 2 * n] + s3 * v[i + 3 * n] + s4 * v[i + 4 * n]
-    turn = parts.turn
+    n, m, f, turn, losses = COLUMNS, motion, window, parts.turn, parts.losses
+    s, e = SPAN * n, DIRECT * n
     for b in range(n):
-        sym, sym_rate, anti, anti_rate = (
-            work[even + b],
-            work[even + n + b],
-            work[even + 2 * n + b],
-            work[even + 3 * n + b],
-        )
-        k1, k2, c1, c2 = window[b], window[n + b], window[2 * n + b], window[3 * n + b]
-        one = k1 * (u[b] - sym - anti) + c1 * (v[b] - sym_rate - anti_rate)
-        two = k2 * (u[2 * n + b] - sym + anti) + c2 * (v[2 * n + b] - sym_rate + anti_rate)
-        lost, turned = parts.losses[b], parts.losses[n + b]
-        load[b] = -one - lost * v[b]
-        load[n + b] = -turn * k1 * u[n + b] - (turn * c1 + turned) * v[n + b]
-        load[2 * n + b] = -two - lost * v[2 * n + b]
-        load[3 * n + b] = -turn * k2 * u[3 * n + b] - (turn * c2 + turned) * v[3 * n + b]
-        work[even + b], work[odd + b] = one + two, one - two
-    for i in range(2 * HALF):
-        own, other = HALF * (i // HALF), HALF * (1 - i // HALF)
-        c, d = parts.ballast[i, own : own + HALF], parts.ballast[i, other : other + HALF]
-        c0, c1, c2, c3, c4 = c[0], c[1], c[2], c[3], c[4]
-        d0, d1, d2, d3, d4 = d[0], d[1], d[2], d[3], d[4]
-        on, pads, at_seat, squared = (SLEEPER + i) * n, even + i // HALF * n, seat[i], parts.sleeper[i]
-        x, y = own * n, (2 * HALF + other) * n
-        for b in range(n):
-            load[on + b] = at_seat * work[pads + b] - squared * u[on + b]
-        for b in range(n):
-            j = x + b
-            load[on + b] -= (
-                c0 * work[j] + c1 * work[j + n] + c2 * work[j + 2 * n] + c3 * work[j + 3 * n] + c4 * work[j + 4 * n]
-            )
-        for b in range(n):
-            j = y + b
-            load[on + b] -= (
-                d0 * work[j] + d1 * work[j + n] + d2 * work[j + 2 * n] + d3 * work[j + 3 * n] + d4 * work[j + 4 * n]
-            )
+        w1, t1, w2, t2 = b, n + b, 2 * n + b, 3 * n + b
+        v1, r1, v2, r2 = m[V * n + w1], m[V * n + t1], m[V * n + w2], m[V * n + t2]
+        k1, k2, c1, c2 = f[STIFF * n + b], f[(STIFF + 1) * n + b], f[DAMP * n + b], f[(DAMP + 1) * n + b]
+        lost, turned = losses[b], losses[n + b]
+        g1, g2 = k1 * m[w1] + c1 * v1, k2 * m[w2] + c2 * v2
+        m[PAD * n + b], m[(PAD + 1) * n + b] = g1, g2
+        on1 = m[BACK * n + b] - f[e + b] * g1 - f[e + n + b] * g2
+        on2 = m[(BACK + 1) * n + b] - f[e + 2 * n + b] * g1 - f[e + 3 * n + b] * g2
+        m[LOAD * n + w1] = on1 - lost * v1 + m[s + b] + m[s + 2 * n + b]
+        m[LOAD * n + w2] = on2 - lost * v2 + m[s + 4 * n + b] + m[s + 6 * n + b]
+        about1 = turn * (k1 * m[t1] + c1 * r1) + turned * r1
+        about2 = turn * (k2 * m[t2] + c2 * r2) + turned * r2
+        m[LOAD * n + t1] = m[s + n + b] + m[s + 3 * n + b] - about1
+        m[LOAD * n + t2] = m[s + 5 * n + b] + m[s + 7 * n + b] - about2
 
 
-@block_kernel
-def load_hanging(parts: LineParts, window: np.ndarray, u: np.ndarray, v: np.ndarray, load: np.ndarray) -> None:
-    """Add the loads of the ballast under hanging sleepers: it pushes where the gap is closed, and never pulls.
+@bare_kernel
+def sweep(chain: np.ndarray, motion: np.ndarray) -> None:
+    """Condense the loads g of all nodes into the three in the middle, from both ends at the same time.
 
-    A node of the sleeper with the deflection u and the rate v is pushed with its share of k (u - gap) + c v where both
-    u > gap and this force is positive. Parameters as in ``load_sleepers``.
+    ``chain`` holds P^-1 T of each node, then its transpose, (COLUMNS, 32).
     """
-    n = COLUMNS
-    for side in range(2):
-        for b in range(NODES):
-            gap = window[(GAPS + side) * n + b]
-            if np.isnan(gap):
-                continue
-            stiffness, damping = window[(HUNG + side) * n + b], window[(HUNG + 2 + side) * n + b]
-            for node in range(parts.nodes.shape[0]):
-                share, deflection, rate = parts.shares[side, node], 0.0, 0.0
-                for j in range(2 * HALF):
-                    deflection += parts.nodes[node, j] * u[(SLEEPER + j) * n + b]
-                    rate += parts.nodes[node, j] * v[(SLEEPER + j) * n + b]
-                push = share * (stiffness * (deflection - gap) + damping * rate)
-                if deflection > gap and push > 0.0:
-                    for j in range(2 * HALF):
-                        load[(SLEEPER + j) * n + b] -= parts.nodes[node, j] * push
-
-
-@block_kernel
-def load_rails(parts: LineParts, inertia: np.ndarray, window: np.ndarray, u: np.ndarray, load: np.ndarray) -> None:
-    """Complete the loads on both rails: stiffness of the rail, then modes and sleepers condensed into the nodes.
-
-    Parameters
-    ----------
-    parts, window
-        Parts of the bays, and their rows of factors, (FACTORS COLUMNS,).
-    inertia
-        m_i, (RAIL_MODES,).
-    u
-        u*, (ROWS COLUMNS,).
-    load
-        f on entry, g on the nodes on return, (ROWS COLUMNS,); rows of modes hold f_i and f_s.
-    """
-    n, k, c = COLUMNS, parts.stiffness, parts.coupling
-    for rail in range(2):
-        w, t = 2 * rail * n, (2 * rail + 1) * n
-        for end in range(2):
-            w0, w1, w2, w3 = k[2 * end, 0], k[2 * end, 1], k[2 * end, 2], k[2 * end, 3]
-            t0, t1, t2, t3 = k[2 * end + 1, 0], k[2 * end + 1, 1], k[2 * end + 1, 2], k[2 * end + 1, 3]
-            for b in range(NODES - 1):
-                i, j = w + b, t + b
-                load[i + end] -= w0 * u[i] + w1 * u[j] + w2 * u[i + 1] + w3 * u[j + 1]
-                load[j + end] -= t0 * u[i] + t1 * u[j] + t2 * u[i + 1] + t3 * u[j + 1]
-        for i in range(RAIL_MODES):
-            mode = (4 + RAIL_MODES * rail + i) * n
-            squared = parts.modes[i]
-            for b in range(NODES - 1):
-                load[mode + b] = -squared * u[mode + b]
-            for end in range(2):
-                by_w, by_t = c[2 * end, i] / inertia[i], c[2 * end + 1, i] / inertia[i]
-                for b in range(NODES - 1):
-                    load[w + b + end] -= by_w * load[mode + b]
-                    load[t + b + end] -= by_t * load[mode + b]
-        for j in range(2 * HALF):
-            mode, into = (SLEEPER + j) * n, (REACH + 2 * HALF * rail + j) * n
-            for b in range(n):
-                load[w + b] += window[into + b] * load[mode + b]
-
-
-@block_kernel
-def sweep(window: np.ndarray, load: np.ndarray) -> None:
-    """Condense the loads g of all nodes into the three in the middle, from both ends at the same time."""
-    n = COLUMNS
-    for behind in range(MIDDLE - 1):
-        ahead = NODES - 1 - behind
-        for i in range(4):
-            left = right = 0.0
-            for j in range(4):
-                left += window[(CARRY + 4 * j + i) * n + behind] * load[j * n + behind]
-                right += window[(CARRY + 4 * j + i) * n + ahead] * load[j * n + ahead]
-            load[i * n + behind + 1] -= left
-            load[i * n + ahead - 1] -= right
-
-
-@block_kernel
-def spread(window: np.ndarray, load: np.ndarray, a: np.ndarray) -> None:
-    """Fill ``a`` for all nodes from the three in the middle, towards both ends at the same time."""
-    n = COLUMNS
+    n, m, load = COLUMNS, motion, LOAD * COLUMNS
+    end = load + NODES - 1
+    g0, g1, g2, g3 = m[load], m[load + n], m[load + 2 * n], m[load + 3 * n]
+    h0, h1, h2, h3 = m[end], m[end + n], m[end + 2 * n], m[end + 3 * n]
     for away in range(MIDDLE - 1):
-        behind, ahead = MIDDLE - 2 - away, MIDDLE + 2 + away
-        for i in range(4):
-            left = right = 0.0
-            for j in range(4):
-                solve, carry = (SOLVE + 4 * i + j) * n, (CARRY + 4 * i + j) * n
-                left += window[solve + behind] * load[j * n + behind] - window[carry + behind] * a[j * n + behind + 1]
-                right += window[solve + ahead] * load[j * n + ahead] - window[carry + ahead] * a[j * n + ahead - 1]
-            a[i * n + behind], a[i * n + ahead] = left, right
+        c, d, b, e = chain[away], chain[NODES - 1 - away], load + away + 1, end - away - 1
+        x0 = m[b] - c[0] * g0 - c[4] * g1 - c[8] * g2 - c[12] * g3
+        x1 = m[b + n] - c[1] * g0 - c[5] * g1 - c[9] * g2 - c[13] * g3
+        x2 = m[b + 2 * n] - c[2] * g0 - c[6] * g1 - c[10] * g2 - c[14] * g3
+        x3 = m[b + 3 * n] - c[3] * g0 - c[7] * g1 - c[11] * g2 - c[15] * g3
+        y0 = m[e] - d[0] * h0 - d[4] * h1 - d[8] * h2 - d[12] * h3
+        y1 = m[e + n] - d[1] * h0 - d[5] * h1 - d[9] * h2 - d[13] * h3
+        y2 = m[e + 2 * n] - d[2] * h0 - d[6] * h1 - d[10] * h2 - d[14] * h3
+        y3 = m[e + 3 * n] - d[3] * h0 - d[7] * h1 - d[11] * h2 - d[15] * h3
+        m[b], m[b + n], m[b + 2 * n], m[b + 3 * n] = x0, x1, x2, x3
+        m[e], m[e + n], m[e + 2 * n], m[e + 3 * n] = y0, y1, y2, y3
+        g0, g1, g2, g3, h0, h1, h2, h3 = x0, x1, x2, x3, y0, y1, y2, y3
 
 
-@block_kernel
-def spread_in_bays(coupling: np.ndarray, push: np.ndarray, window: np.ndarray, load: np.ndarray, a: np.ndarray) -> None:
-    """Fill ``a`` for the modes of rails and sleepers from the accelerations of the nodes.
+@bare_kernel
+def spread(window: np.ndarray, chain: np.ndarray, motion: np.ndarray) -> None:
+    """Fill the rows A for all nodes from the three in the middle, towards both ends at the same time.
 
-    ``coupling`` is c, (4, RAIL_MODES), and ``push[1:]`` begins with the inertia m_i of the rail's modes.
+    Rows LOAD are replaced by P^-1 g.
     """
-    n = COLUMNS
+    n, m, load, s = COLUMNS, motion, LOAD * COLUMNS, SOLVE * COLUMNS
+    for b in range(n):
+        g0, g1, g2, g3 = m[load + b], m[load + n + b], m[load + 2 * n + b], m[load + 3 * n + b]
+        for i in range(4):
+            p = s + 4 * i * n + b
+            m[load + i * n + b] = window[p] * g0 + window[p + n] * g1 + window[p + 2 * n] * g2 + window[p + 3 * n] * g3
+    near, far = A * n + MIDDLE - 1, A * n + MIDDLE + 1
+    shift = (A - LOAD) * n
+    x0, x1, x2, x3 = m[near], m[near + n], m[near + 2 * n], m[near + 3 * n]
+    y0, y1, y2, y3 = m[far], m[far + n], m[far + 2 * n], m[far + 3 * n]
+    for away in range(1, MIDDLE):
+        c, d, b, e = chain[MIDDLE - 1 - away], chain[MIDDLE + 1 + away], near - away, far + away
+        p0 = m[b - shift] - c[16] * x0 - c[20] * x1 - c[24] * x2 - c[28] * x3
+        p1 = m[b - shift + n] - c[17] * x0 - c[21] * x1 - c[25] * x2 - c[29] * x3
+        p2 = m[b - shift + 2 * n] - c[18] * x0 - c[22] * x1 - c[26] * x2 - c[30] * x3
+        p3 = m[b - shift + 3 * n] - c[19] * x0 - c[23] * x1 - c[27] * x2 - c[31] * x3
+        q0 = m[e - shift] - d[16] * y0 - d[20] * y1 - d[24] * y2 - d[28] * y3
+        q1 = m[e - shift + n] - d[17] * y0 - d[21] * y1 - d[25] * y2 - d[29] * y3
+        q2 = m[e - shift + 2 * n] - d[18] * y0 - d[22] * y1 - d[26] * y2 - d[30] * y3
+        q3 = m[e - shift + 3 * n] - d[19] * y0 - d[23] * y1 - d[27] * y2 - d[31] * y3
+        m[b], m[b + n], m[b + 2 * n], m[b + 3 * n] = p0, p1, p2, p3
+        m[e], m[e + n], m[e + 2 * n], m[e + 3 * n] = q0, q1, q2, q3
+        x0, x1, x2, x3, y0, y1, y2, y3 = p0, p1, p2, p3, q0, q1, q2, q3
+
+
+@bare_kernel
+def advance_rails(
+    parts: LineParts, squared: np.ndarray, inertia: np.ndarray, dt: float, next_dt: float, motion: np.ndarray
+) -> None:
+    """Advance u* and v* of nodes and rail modes by their accelerations, those of the modes from those of the nodes.
+
+    After a step of ``dt`` comes one of ``next_dt`` s: v* grows by (dt + dt_next) / 2 a and u* by dt_next v* and
+    (dt^2/12 + dt dt_next/2 + 5/12 dt_next^2) a.
+    """
+    n, m, c = COLUMNS, motion, parts.coupling
+    faster, farther = (dt + next_dt) / 2.0, dt * dt / 12.0 + dt * next_dt / 2.0 + next_dt * next_dt * (5.0 / 12.0)
+    rate = (V - U) * n
     for rail in range(2):
-        w, t = 2 * rail * n, (2 * rail + 1) * n
-        for i in range(RAIL_MODES):
-            mode, inverse = (4 + RAIL_MODES * rail + i) * n, 1.0 / push[1 + i]
-            c0, c1, c2, c3 = coupling[0, i], coupling[1, i], coupling[2, i], coupling[3, i]
+        w, t, on = (A + 2 * rail) * n, (A + 2 * rail + 1) * n, (U + 4 + 4 * rail) * n
+        for pair in range(2):
+            i = 2 * pair
+            w0, t0, w1, t1 = c[0, i] / inertia[i], c[1, i] / inertia[i], c[0, i + 1], c[1, i + 1]
+            w1, t1 = w1 / inertia[i + 1], t1 / inertia[i + 1]
+            q0, q1, even, odd = squared[i], squared[i + 1], on + i * n, on + (i + 1) * n
             for b in range(NODES - 1):
-                ends = c0 * a[w + b] + c1 * a[t + b] + c2 * a[w + b + 1] + c3 * a[t + b + 1]
-                a[mode + b] = (load[mode + b] - ends) * inverse
-    for i in range(2 * HALF):
-        mode, one, two = (SLEEPER + i) * n, (REACH + i) * n, (REACH + 2 * HALF + i) * n
+                x, y = even + b, odd + b
+                e = -q0 * m[x] - w0 * (m[w + b] + m[w + b + 1]) - t0 * (m[t + b] - m[t + b + 1])
+                o = -q1 * m[y] - w1 * (m[w + b] - m[w + b + 1]) - t1 * (m[t + b] + m[t + b + 1])
+                m[x] += next_dt * m[x + rate] + farther * e
+                m[y] += next_dt * m[y + rate] + farther * o
+                m[x + rate] += faster * e
+                m[y + rate] += faster * o
+    for row in range(4):
+        x, a = (U + row) * n, (A + row) * n
         for b in range(n):
-            a[mode + b] = window[one + b] * a[b] + window[two + b] * a[2 * n + b]
-        for half in range(2):
-            first, on = (INVERSE + 2 * HALF * i + HALF * half) * n, (SLEEPER + HALF * half) * n
-            for b in range(n):
-                f, g = first + b, on + b
-                a[mode + b] += (
-                    window[f] * load[g]
-                    + window[f + n] * load[g + n]
-                    + window[f + 2 * n] * load[g + 2 * n]
-                    + window[f + 3 * n] * load[g + 3 * n]
-                    + window[f + 4 * n] * load[g + 4 * n]
-                )
+            m[x + b] += next_dt * m[x + rate + b] + farther * m[a + b]
+            m[x + rate + b] += faster * m[a + b]
 
 
-@block_kernel
-def correct(u: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float) -> None:
-    """Add to u* and v* what the accelerations ``a`` of the step of ``dt`` s contribute, (ROWS COLUMNS,) each."""
-    at_once, half = dt * dt / 12.0, dt / 2.0
-    for b in range(ROWS * COLUMNS):
-        u[b] += at_once * a[b]
-        v[b] += half * a[b]
+@bare_kernel
+def advance_sleepers(window: np.ndarray, motion: np.ndarray) -> None:
+    """Advance the states R of the sleepers by a step, and fill BACK with what they push back at the next one."""
+    n, m, f = COLUMNS, motion, window
+    for b in range(n):
+        m[PAD * n + b] += f[IMPLICIT * n + b] * m[A * n + b]
+        m[(PAD + 1) * n + b] += f[(IMPLICIT + 1) * n + b] * m[(A + 2) * n + b]
+        m[BACK * n + b] = m[(BACK + 1) * n + b] = 0.0
+    for pair in range(2 * HALF):
+        r, q = (R + 2 * pair) * n, (R + 2 * pair + 1) * n
+        a, g, o = (FACTOR + 3 * pair) * n, (GAIN + 4 * pair) * n, (OUTPUT + 4 * pair) * n
+        for b in range(n):
+            g1, g2, x, y = m[PAD * n + b], m[(PAD + 1) * n + b], m[r + b], m[q + b]
+            x_next = x + f[a + b] * x - f[a + 2 * n + b] * y + f[g + b] * g1 + f[g + n + b] * g2
+            y_next = y + f[a + n + b] * y + f[a + 2 * n + b] * x + f[g + 2 * n + b] * g1 + f[g + 3 * n + b] * g2
+            m[r + b], m[q + b] = x_next, y_next
+            m[BACK * n + b] += f[o + b] * x_next + f[o + 2 * n + b] * y_next
+            m[(BACK + 1) * n + b] += f[o + n + b] * x_next + f[o + 3 * n + b] * y_next

@@ -94,7 +94,7 @@ class PaperModel:
 
     def at_speed(self, dynamics: Paper, step: int, dx: float, speed: float, behind: float) -> Paper:
         """Raises ValueError: a moving Green's function is that of one speed."""
-        raise ValueError(f"moving Green's functions at {behind:g} m/s do not serve at {speed:g} m/s")
+        raise ValueError(f"moving Green's functions at {behind:g} m/s cannot be used at {speed:g} m/s")
 
     def copied(self, dynamics: Paper) -> Paper:
         """Dynamics with the same past that go on by themselves."""

@@ -107,9 +107,9 @@ class Quantity:
 
     def _meant(self, value: float, low: float, high: float) -> tuple[str, str] | None:
         """A bare number in the first other unit that brings it between limits, and what it then is in SI."""
-        for name in amounts.others(self.unit):
+        for name in amounts.others(self.unit) if self.unit or self.high <= 1 else ():  # percent is of shares
             meant = value * float(amounts.size_of(name, self.unit) or math.nan)
-            if low <= (meant if low < 0 else abs(meant)) <= high:
+            if low <= (meant if low < 0 else abs(meant)) <= high and self.low <= meant <= self.high:
                 return f"{value:g} {name}", f"{meant:.6g} {self.unit}"
         return None
 
@@ -200,7 +200,7 @@ def keyed(value: Any, where: str, what: str = "scenario keys") -> Mapping[str, A
         raise InputError(f"{where} = {value!r} is not a mapping of {what}")
     for key in value:
         if not isinstance(key, str):
-            raise InputError(f"{where}: {key!r} is not a text, and {what} are")
+            raise InputError(f"{where}: {key!r} is not text, and {what} must be: put it in quotes")
     return value
 
 

@@ -103,9 +103,12 @@ class ColumnTable:
                 f"another of {', '.join(known)}"
             )
         if unit not in known:
-            raise InputError(f"{self.source}: the unit of {what} is no {dimension}: give {', '.join(known)}")
+            raise InputError(f"{self.source}: the unit of {what} is not a unit of {dimension}: give {', '.join(known)}")
         if given and given != unit:
-            raise InputError(f"{self.source}: {what} is in {unit}, and {given} is given: leave out what is wrong")
+            raise InputError(
+                f"{self.source}: the file gives {what} in {unit}, but you gave {given}: correct the file, or leave "
+                f"{given} out"
+            )
         return UNITS[unit].size
 
 
@@ -143,7 +146,9 @@ def _lines(file: IO[str], name: str) -> Iterator[tuple[int, str]]:
     while line := file.readline(LONGEST + 1):
         number += 1
         if len(line) > LONGEST:
-            raise InputError(f"{name}, line {number} has more than {LONGEST} characters: give a row of numbers a line")
+            raise InputError(
+                f"{name}, line {number} has more than {LONGEST} characters: put each row of numbers on its own line"
+            )
         line = line.rstrip("\n")
         if line.strip() and not line.lstrip().startswith(COMMENTS):
             yield number, line

@@ -68,7 +68,7 @@ def _check_events(events: Iterable[Any], where: str) -> None:
     for event in events:
         depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
         if isinstance(event, AliasEvent):
-            raise InputError(f"{where} holds an alias (*): write out what it stands for")
+            raise InputError(f"{where} holds an alias (*): write out its content")
         if depth > DEEPEST:
             raise InputError(f"{where} is nested more than {DEEPEST} times: give a flatter one")
 

@@ -147,7 +147,7 @@ class Cluster:
                 return Breakout(on=self.on, **size)
             except InputError as reason:
                 refusal = str(reason)
-        raise InputError(f"none of {TRIES} draws is a breakout, the last for {refusal}")
+        raise InputError(f"none of {TRIES} random draws is a valid breakout; the last one: {refusal}")
 
 
 def _drawn(distribution: Distribution, random: Generator) -> float:

@@ -61,7 +61,7 @@ class Squat(HeadDefect):
 
     type: ClassVar[str] = "squat"
 
-    ridge: float = quantity("", 0.0, 1.0, "the share of the depth by which the ridge stands above it", default=0.5)
+    ridge: float = quantity("", 0.0, 1.0, "the height of the ridge as a share of the depth", default=0.5)
 
     def height(self, s: ArrayLike, y: ArrayLike) -> Real:
         """Height, m, at ``s`` from the centre along the rail and ``y`` across it, m."""

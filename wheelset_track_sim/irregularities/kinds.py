@@ -86,10 +86,10 @@ def kind_named(name: str) -> Kind:
         factory = found.load()
     except Exception as reason:  # whatever the other package raises when it is imported
         raise InputError(
-            f"type = {name!r} of the package {package} cannot be imported ({reason!r}): mend or reinstall it"
+            f"type = {name!r} of the package {package} cannot be imported ({reason!r}): repair or reinstall it"
         ) from reason
     if not (isinstance(factory, type) and dataclasses.is_dataclass(factory)) or getattr(factory, "type", None) != name:
-        raise InputError(f"type = {name!r}: {found.value} of the package {package} is no dataclass of that type")
+        raise InputError(f"type = {name!r}: {found.value} of the package {package} is not a dataclass of that type")
     names = {field.name for field in dataclasses.fields(factory)}
     if "on" not in names or "package" in names or not callable(getattr(factory, "patches", None)):
         raise InputError(

@@ -29,7 +29,7 @@ def list_of(text: str, what: str) -> list[Any]:
     """The plain list of a YAML text that is not trusted; an empty text is an empty one. Raises InputError."""
     size = len(text.encode(errors="surrogatepass"))
     if size > LONGEST:
-        raise InputError(f"{what} have {size} bytes: give at most {LONGEST}, and longer tables as files")
+        raise InputError(f"{what} have {size} bytes: give at most {LONGEST}, and put longer tables into files")
     data = parse(text, what, trusted=False) or []
     if not isinstance(data, list):
         raise InputError(f"{what} are a {type(data).__name__}: give a list, as in a scenario file")

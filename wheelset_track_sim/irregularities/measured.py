@@ -82,17 +82,17 @@ class Profile:
                 object.__setattr__(self, name, value)
         for name in ("along", "height"):
             if getattr(self, name) is None:
-                raise InputError(f"{name} is missing: give the unit in which {self.file} has it")
+                raise InputError(f"{name} is missing: give the unit that {self.file} uses")
         if self.on in RAILS and self.along not in ACROSS:
-            raise InputError(f"along = {self.along} is not of rails: give m or mm for {self.on}")
+            raise InputError(f"along = {self.along} applies to wheels only: give m or mm for {self.on}")
         if self.on in WHEELS and (self.start or self.repeat):
-            raise InputError(f"start and repeat are of rails: leave them out for {self.on}, and give angle")
+            raise InputError(f"start and repeat apply to rails only: leave them out for {self.on}, and give angle")
         if self.on in RAILS and self.angle:
-            raise InputError(f"angle is of wheels: leave it out for {self.on}, and give start")
+            raise InputError(f"angle applies to wheels only: leave it out for {self.on}, and give start")
         if self.on in RAILS and self.turns != "refuse":
-            raise InputError(f"turns are of wheels: leave them out for {self.on}")
+            raise InputError(f"turns applies to wheels only: leave it out for {self.on}")
         if self.on in RAILS and self.drift != "keep" and not self.repeat:
-            raise InputError(f"drift is of wheels, and of rails with repeat: leave it out for {self.on}")
+            raise InputError(f"drift applies to wheels, and to rails with repeat: leave it out for {self.on}")
         _ = self.samples
 
     @cached_property
@@ -104,7 +104,10 @@ class Profile:
         along, values = found.along * UNITS[self.along].size, found.values * UNITS[self.height].size
         spread = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
         if 0.0 < spread < SMOOTHEST:
-            warn(f"{self.file} has heights within {spread:.3g} m, less than any surface: check the unit, height")
+            warn(
+                f"{self.file} has heights within {spread:.3g} m, smoother than any real surface: check height, "
+                "their unit"
+            )
         around = 2 * math.pi if self.along in ("rad", "deg") else 0.0
         if self.on in WHEELS and len(along) > 1:
             along, values = one_turn(along, values, around or None, self.turns, self.drift, self.file)
@@ -247,7 +250,7 @@ def _whole(samples: Samples, around: float, gaps: str, file: str) -> Samples:
     for column in values.T:
         known = np.isfinite(column)
         if known.sum() < 4:
-            raise InputError(f"{file} has {known.sum()} values in a column: give at least 4")
+            raise InputError(f"{file} has {known.sum()} values in a column: give at least 4 in each")
         column[~known] = np.interp(along[~known], along[known], column[known], period=around or None)
     return Samples(along, values, samples.across)
 

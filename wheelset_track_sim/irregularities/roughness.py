@@ -65,7 +65,9 @@ class Roughness:
         if self.file and not self.spectrum:
             object.__setattr__(self, "spectrum", read_spectrum(self.file))
         if self.on in WHEELS and (self.length is not None or self.start):
-            raise InputError(f"start and length are of rails: leave them out for {self.on}, which is rough all around")
+            raise InputError(
+                f"start and length apply to rails only: leave them out for {self.on}, which is rough all around"
+            )
         check_stretch(self.start, self.length, self.ramp)
         if len(self.spectrum) == 1:
             raise InputError("spectrum has one entry: give at least two wavelengths with their levels, or none")
@@ -102,7 +104,8 @@ class Roughness:
             at = int(steep.argmax())
             warn(
                 f"spectrum has {level[at] + self.level:g} dB re 1 um at a wavelength of {wavelength[at]:g} m, which is "
-                f"{steep[at]:.2g} of it, and running surfaces have up to {STEEPEST:g}: check the units, m and dB"
+                f"{steep[at]:.2g} of the wavelength, and running surfaces have at most {STEEPEST:g}: check the "
+                "units, m and dB"
             )
         covered = _covered(wavelength, self.shortest, self.longest)
         if self.shortest * EDGE >= wavelength[0] and self.longest <= wavelength[-1] * EDGE:

@@ -82,7 +82,7 @@ def taken(
         rows = np.column_stack([stretch * place.values, factor * chosen.values])
     else:
         if height is None:
-            raise InputError(f"{table.source} has one column for each position across: give height: {_or(HEIGHT)}")
+            raise InputError(f"{table.source} has one column for each lateral position: give height: {_or(HEIGHT)}")
         across = next((each.unit for each in others if each.unit in ACROSS), across)
         rows = np.column_stack([stretch * place.values, *(each.values for each in others)])
         rows = np.vstack([[np.nan, *positions], rows[1:] if np.isnan(place.values[0]) else rows])
@@ -102,7 +102,7 @@ def samples_of(text: str, name: str) -> Samples:
         rows = [[float(cell) for cell in line.split()] for line in text.splitlines()]
         table = np.array(rows, dtype=np.float64)
     except ValueError as reason:
-        raise InputError(f"table of {name} is no table of numbers ({' '.join(str(reason).split())})") from None
+        raise InputError(f"table of {name} is not a table of numbers ({' '.join(str(reason).split())})") from None
     if table.ndim != 2 or table.shape[1] < 2 or len(table) < 5 or table.size > MOST:
         raise InputError(
             f"file {name} is a table of {table.shape}: give at least 5 rows and 2 columns, {MOST} numbers at most"
@@ -112,7 +112,7 @@ def samples_of(text: str, name: str) -> Samples:
     else:
         along, values, across = table[1:, 0], table[1:, 1:], table[0, 1:]
         if not np.isfinite(across).all() or len(set(across)) < len(across):
-            raise InputError(f"file {name} has no positions across in its first row: give one for each column")
+            raise InputError(f"file {name} has no lateral positions in its first row: give one for each column")
     if not np.isfinite(along).all() or np.isinf(values).any():
         raise InputError(f"file {name} holds positions or values that are not finite: give numbers")
     return Samples(along, values, across)
@@ -123,15 +123,17 @@ def _heights(table: ColumnTable, others: Sequence[Column], on: str, column: str)
     if column:
         found = table.chosen(column, "the heights")
         if found not in others:
-            raise InputError(f"{table.source}: column {column!r} holds the positions along: give that of the heights")
+            raise InputError(
+                f"{table.source}: column {column!r} holds the longitudinal positions: give the column of the heights"
+            )
         return found
     if len(others) == 1:
         return others[0]
     named = [each for each in others if each is table.find(on)]
     if not named:
         raise InputError(
-            f"{table.source} has {table.listed()}: give column: the one of the heights of {on}; in a table over "
-            "positions across, name each column by its position"
+            f"{table.source} has {table.listed()}: give column, the name of the column of heights of {on}; in a table "
+            "over lateral positions, name each column by its position"
         )
     return named[0]
 

@@ -36,7 +36,7 @@ def check_stretch(start: float, length: float | None, ramp: float) -> None:
     if length is None:
         if start:
             raise InputError(
-                f"start = {start:g} m is that of a stretch without a length: give its length, or no start for all of "
+                f"start = {start:g} m needs a length: give the length of the stretch, or leave start out for all of "
                 "the line"
             )
         return

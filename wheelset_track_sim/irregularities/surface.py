@@ -201,8 +201,12 @@ def both_rails(rails: Sequence[RailHeights]) -> tuple[NDArray[np.int32], Real]:
 
 def distinct_rows(rows: Real) -> tuple[Real, NDArray[np.int32]]:
     """Rows that differ, in the order in which they come, and the number of each among them."""
+    even = ~rows.any(axis=1)
+    looked_at = np.flatnonzero(~even | (np.cumsum(even) == 1))  # of the rows without heights the first stands for all
     found: dict[bytes, int] = {}
-    number = np.array([found.setdefault(row.tobytes(), len(found)) for row in rows + 0.0], np.int32)  # no -0.0
+    number = np.empty(len(rows), np.int32)
+    number[looked_at] = [found.setdefault(row.tobytes(), len(found)) for row in rows[looked_at] + 0.0]  # no -0.0
+    number[even] = number[even.argmax()]
     return rows[np.unique(number, return_index=True)[1]], number
 
 
@@ -215,7 +219,7 @@ def line_steps(irregularities: Iterable[Irregularity], line_length: float | None
         steps = line_length / dx
         if abs(steps - round(steps)) > 1e-6:
             raise InputError(
-                f"line_length = {line_length:g} m is no whole number of steps of {dx:g} m: "
+                f"line_length = {line_length:g} m is not a whole number of steps of {dx:g} m: "
                 f"give {round(steps) * dx:.12g} m"
             )
         return round(steps)
@@ -225,8 +229,8 @@ def line_steps(irregularities: Iterable[Irregularity], line_length: float | None
     end = max(getattr(each, "end", 0.0) for each in on_rails)
     if end > LONGEST_LINE:
         raise InputError(
-            f"irregularities of rails reach to {end:g} m, and rails repeat after {LONGEST_LINE:g} m at most: give "
-            f"positions up to that, or a line_length after which they come again"
+            f"irregularities of rails reach to {end:g} m, and rails repeat after at most {LONGEST_LINE:g} m: give "
+            f"positions up to that, or a line_length after which they repeat"
         )
     return round(max(math.ceil(end / LINE), 1) * LINE / dx)
 

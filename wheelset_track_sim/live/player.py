@@ -15,6 +15,8 @@ from ..inputs.schema import check, quantity, quantity_of
 from .pacing import Clock, Pacer, SteadyClock
 
 SECOND = 10**9
+POLL = 0.02
+"""Time after which a player that is held asks again whether it may begin, s."""
 REST = 3600.0
 """Longest sleep of a paused player, s; a command wakes it earlier."""
 LONGEST = 1e7
@@ -115,7 +117,7 @@ class Player:
         self._lead = -self._begin  # played time less time in the bag, ns
         self._standing = 0  # played time while paused, ns
         self._progress = False  # whether a message has been played since the beginning of the part
-        self._stopping = self._over = False
+        self._stopping = self._over = self._held = False
         self._following: Played | None = None
         self._commands: deque[tuple[Callable[[], Any], Future[Any]]] = deque()
         self._lock = threading.Lock()  # of the commands
@@ -183,10 +185,16 @@ class Player:
         """While paused, play as many messages at once, or all if 0; returns their number."""
         return self._order(lambda: self._burst(messages or None))
 
-    def run(self) -> None:
-        """Play in the calling thread; the schedule starts now."""
+    def run(self, ready: Callable[[], bool] | None = None) -> None:
+        """Play in the calling thread; the schedule starts now, or when it is ``ready``.
+
+        Until then the player is paused; ``pause``, ``resume`` and ``toggle`` end the wait.
+        """
         failure: Exception | None = None
         try:
+            self._go_to(self._begin, 0)
+            if ready is not None and not self._paused:
+                self._hold(ready)
             self._play()
         except Exception as raised:  # noqa: BLE001  passed to ``ended``
             failure = raised
@@ -196,8 +204,17 @@ class Player:
         if failure is not None or not self._stopping:
             self._ended(failure)
 
+    def _hold(self, ready: Callable[[], bool]) -> None:
+        self._pause()
+        self._held = True
+        while self._held and not (self._stopping or ready()):
+            self._wake.wait(POLL)
+            self._wake.clear()
+            self._execute()
+        if self._held:
+            self._resume()
+
     def _play(self) -> None:
-        self._go_to(self._begin, 0)
         while not self._stopping:
             self._execute()
             following = self._following
@@ -233,10 +250,12 @@ class Player:
                 future.set_exception(refusal)
 
     def _pause(self) -> None:
+        self._held = False
         if not self._paused:
             self._standing, self._paused = self._reached(), True
 
     def _resume(self) -> None:
+        self._held = False
         if self._paused:
             self._paused = False
             self._schedule(self._standing)

@@ -174,7 +174,7 @@ def path_below(folder: str, name: str, longest: int = LONGEST_NAME) -> Path:
     except (OSError, RuntimeError):  # a link to itself
         path = base
     if Path(name).is_absolute() or ".." in Path(name).parts or base not in path.parents:
-        raise InputError(f"name = {shown} leads out of {base}: give a path below it, without ..")
+        raise InputError(f"name = {shown} points outside {base}: give a path below it, without ..")
     return path
 
 

@@ -1,1 +1,1 @@
-"""From loads to levels and metrics: what a monitoring stack is told of a run, without ROS."""
+"""Levels and metrics of loads for monitoring stacks, without ROS."""

@@ -24,12 +24,14 @@ class Limits:
     lag_warn: float = quantity("s", 0.0, 3600.0, "the time behind the schedule that is a warning", default=0.2)
     lag_error: float = quantity("s", 0.0, 3600.0, "the time behind the schedule that is an alarm", default=2.0)
     pace_warn: float = quantity(
-        "", 0.0, 1.0, "the share of the wanted real time factor, below which is a warning,", default=0.9
+        "", 0.0, 1.0, "the share of the required real-time factor below which pacing is a warning,", default=0.9
     )
     pace_error: float = quantity(
-        "", 0.0, 1.0, "the share of the wanted real time factor, below which is an alarm,", default=0.5
+        "", 0.0, 1.0, "the share of the required real-time factor below which pacing is an alarm,", default=0.5
     )
-    stale_after: float = quantity("s", 0.1, 3600.0, "the time without a sample after which all is stale", default=10.0)
+    stale_after: float = quantity(
+        "s", 0.1, 3600.0, "the time without a sample after which everything is stale", default=10.0
+    )
 
     def __post_init__(self) -> None:
         check(self)

@@ -1,4 +1,4 @@
-"""What is told of a run while it streams: the worst since the last report, at least of a whole turn of the wheels."""
+"""Reports of a run while it streams: the worst since the last report, at least of a whole turn of the wheels."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .status import (
 AXIAL = COMPONENTS.index("yy")
 """Stress along the axle, which bends: its component."""
 SPAN = 0.5
-"""Elapsed time that a real time factor is of at least, s: of one chunk, which may be late, it says nothing."""
+"""Elapsed time that a real-time factor is of at least, s: of one chunk, which may be late, it says nothing."""
 
 
 @dataclass
@@ -54,7 +54,7 @@ class _Window:
 
 @dataclass
 class _Stretch:
-    """Time over which the real time factor is measured, s; reports that come early do not end it."""
+    """Time over which the real-time factor is measured, s; reports that come early do not end it."""
 
     simulated: float = 0.0
     elapsed: float = 0.0
@@ -99,7 +99,7 @@ class Monitor:
 
     @property
     def wanted(self) -> float:
-        """Real time factor that is wanted; 0 is as fast as possible."""
+        """Real-time factor that is wanted; 0 is as fast as possible."""
         return self._wanted
 
     @wanted.setter
@@ -167,12 +167,12 @@ class Monitor:
         return forces, [max(pair) for pair in zip(self._window.stresses, self._turn.principal, strict=True)]
 
     def _measure(self) -> None:
-        """The real time factor, if enough time has passed since the last one."""
+        """The real-time factor, if enough time has passed since the last one."""
         if self._stretch.elapsed >= SPAN:
             self._factor, self._stretch = self._stretch.simulated / self._stretch.elapsed, _Stretch()
 
     def _levels_now(self) -> list[Level]:
-        """Levels of forces, stresses and lag; that of the real time factor is known when the period is over."""
+        """Levels of forces, stresses and lag; that of the real-time factor is known when the period is over."""
         forces, _ = self._peaks()
         return [
             *(wheel_level(force, self.threshold, self.limits) for force in forces),

@@ -71,7 +71,7 @@ class PaceFigures:
     real_time_factor: float
     """Simulated over elapsed time of late; NaN if it is not known yet."""
     wanted: float
-    """Real time factor that is wanted; 0 is as fast as possible."""
+    """Real-time factor that is wanted; 0 is as fast as possible."""
     lag: float
     """Largest time behind the schedule since the last report, s."""
 
@@ -92,7 +92,7 @@ def lag_level(lag: float, limits: Limits) -> Level:
 
 
 def pace_level(pace: PaceFigures, limits: Limits) -> Level:
-    """Level of lag and of the real time factor, the worse of them."""
+    """Level of lag and of the real-time factor, the worse of them."""
     share = pace.real_time_factor / pace.wanted if pace.wanted > 0 else 1.0
     return max(lag_level(pace.lag, limits), _level(-share, -limits.pace_warn, -limits.pace_error))
 
@@ -149,9 +149,9 @@ def stress_status(name: str, node: NodeFigures, limits: Limits) -> Status:
 def pace_status(pace: PaceFigures, limits: Limits) -> Status:
     """Status of the pace."""
     factor = pace.real_time_factor
-    told = "real time factor not known yet" if math.isnan(factor) else f"{factor:.3g} times real time"
+    told = "real-time factor not known yet" if math.isnan(factor) else f"{factor:.3g} times real time"
     if pace.wanted > 0:
-        told += f" of {pace.wanted:g} wanted, {pace.lag * 1e3:.0f} ms behind"
+        told += f", {pace.wanted:g} required, {pace.lag * 1e3:.0f} ms behind schedule"
     return Status(
         "pacing",
         pace_level(pace, limits),
@@ -164,11 +164,11 @@ def recording_status(bag: RecordingFigures) -> Status:
     """Status of the bag."""
     level, told = Level.OK, f"to {bag.path}" if bag.path else "none"
     if bag.lost is not None:
-        level, told = Level.ERROR, f"{told}: {bag.lost}" if bag.path else f"ended before its time: {bag.lost}"
+        level, told = Level.ERROR, f"{told}: {bag.lost}" if bag.path else f"ended early: {bag.lost}"
     elif bag.refused is not None and not bag.path:
-        level, told = Level.ERROR, f"not begun: {bag.refused}"
+        level, told = Level.ERROR, f"not started: {bag.refused}"
     elif bag.path and bag.waiting > bag.buffer_size / 2:
-        told += f": the disk is slow, {bag.waiting / 1e6:.0f} of {bag.buffer_size / 1e6:.0f} MB wait for it"
+        told += f": the disk is slow, {bag.waiting / 1e6:.0f} of {bag.buffer_size / 1e6:.0f} MB are buffered"
         level = Level.WARN
     return Status("recording", level, told, _values(waiting_bytes=bag.waiting, buffer_size_bytes=bag.buffer_size))
 

@@ -17,10 +17,11 @@ from matplotlib.figure import Figure
 
 from ..errors import InputError
 from ..runtime.arrays import Real
+from ..version import __version__
 from .files import write_whole
 from .samples import SampleSeries
 from .survey import Survey
-from .table import description, title
+from .table import description, made_by, title
 
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Told apart with every kind of colour vision (Okabe and Ito)."""
@@ -30,6 +31,7 @@ DOTS = 125
 NOTE = 150
 """Letters in a line of the note below a figure."""
 QUIET = "#5a5a5f"
+MADE_WITH = f"wheelset_track_sim {__version__}"
 STYLE: Any = {
     "font.family": "sans-serif",
     "font.size": 10,
@@ -52,13 +54,18 @@ PICTURES: dict[str, dict[str, None]] = {
 
 @contextmanager
 def new_figure(height: float, title: str, made_by: str) -> Iterator[Figure]:
-    """Figure in the style of the reports, with its title and, in grey, the model and dynamics that made it."""
+    """Figure in the style of the reports, with its title and, in grey, what made it and this version."""
     with rc_context({**STYLE, "svg.hashsalt": title, "mathtext.default": "regular"}):
         figure = Figure(figsize=(WIDTH, height), dpi=DOTS, layout="constrained")
         figure.suptitle(title, fontsize=12, x=0.01, ha="left", parse_math=False)
-        lines = "\n".join(textwrap.wrap(made_by, NOTE))
-        figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET, parse_math=False)
+        add_note(figure, f"{made_by.removesuffix('.')}. {MADE_WITH}")
         yield figure
+
+
+def add_note(figure: Figure, text: str) -> None:
+    """Small print in grey below a figure."""
+    lines = "\n".join(textwrap.wrap(text, NOTE))
+    figure.supxlabel(lines, fontsize=8.5, x=0.01, ha="left", color=QUIET, parse_math=False)
 
 
 def plot_run(run: Survey, path: Path) -> Path:
@@ -75,13 +82,14 @@ def plot_run(run: Survey, path: Path) -> Path:
             axes[0].set_xlabel("")
             draw_stresses(axes[1], run, part)
         figure.suptitle(f"{title(run)}\n{description(run)}", fontsize=11, x=0.01, ha="left", parse_math=False)
+        add_note(figure, made_by(run))
         return write_picture(figure, path)
 
 
 def check_picture(path: Path) -> None:
     """Raise InputError unless a path names a picture by its suffix."""
     if path.suffix.lower() not in PICTURES:
-        raise InputError(f"{path} is no picture: give a name that ends in {', '.join(PICTURES)}")
+        raise InputError(f"{path} is not a picture: give a name that ends in {', '.join(PICTURES)}")
 
 
 def write_picture(figure: Figure, path: Path) -> Path:

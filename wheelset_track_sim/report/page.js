@@ -2,6 +2,9 @@
 "use strict"
 const views = [] // of the layouts
 const roots = [] // their models
+const plots = () => document.querySelectorAll(".plot")
+const within = (node) => [...node.querySelectorAll("*")].flatMap((element) => // plots are in shadows
+  [element, ...(element.shadowRoot ? within(element.shadowRoot) : [])])
 const time = () => roots.map((root) => root.document.get_model_by_name("time")).find((range) => range)
 
 const dark = matchMedia("(prefers-color-scheme: dark)")
@@ -13,7 +16,7 @@ function recolour(isDark) {
         model.setv({ axis_label_text_color: ink, major_label_text_color: ink, axis_line_color: ink, major_tick_line_color: ink })
       } else if (model.type === "Grid") model.setv({ grid_line_color: grid })
       else if (model.type === "Legend") model.setv({ label_text_color: ink, background_fill_color: ground })
-      else if (model.type === "Label") model.setv({ text_color: ink })
+      else if (model.type === "Label" || model.type === "Title") model.setv({ text_color: ink })
       else if (model.type === "ColorBar") model.setv({ major_label_text_color: ink, title_text_color: ink })
     }
   }
@@ -23,16 +26,34 @@ function repaint(view) {
   if (view.model.type === "Figure") view.repaint()
   for (const child of view.child_views ?? []) repaint(child)
 }
+const LINE = 690 // pixels on A4 with margins of 13 mm
+function onPaper(plot) { // drawn for the screen, scaled to the paper
+  const { offsetWidth, offsetHeight } = plot
+  const scale = Math.min(1, LINE / offsetWidth)
+  plot.style.height = `${scale * offsetHeight}px`
+  const drawn = plot.firstElementChild.style
+  drawn.width = `${offsetWidth}px`
+  drawn.transform = `scale(${scale})`
+}
+function toolbars(visibility) {
+  for (const { classList, style } of within(document)) if (classList.contains("bk-Toolbar")) style.visibility = visibility
+}
 addEventListener("beforeprint", () => { // paper does not wait for the next frame
   recolour(false)
   views.forEach(repaint)
+  toolbars("hidden")
+  plots().forEach(onPaper)
 })
-addEventListener("afterprint", () => recolour(dark.matches))
+addEventListener("afterprint", () => {
+  recolour(dark.matches)
+  toolbars("")
+  for (const plot of plots()) plot.style.height = plot.firstElementChild.style.width = plot.firstElementChild.style.transform = ""
+})
 
 function handsOn() { // a finger that goes up or down moves the page, not the plot
-  const surfaces = (node) => [...node.querySelectorAll("*")].flatMap((element) =>
-    [...(element.classList.contains("bk-events") ? [element] : []), ...(element.shadowRoot ? surfaces(element.shadowRoot) : [])])
-  for (const surface of surfaces(document)) surface.style.setProperty("touch-action", "pan-y", "important")
+  for (const element of within(document)) {
+    if (element.classList.contains("bk-events")) element.style.setProperty("touch-action", "pan-y", "important")
+  }
   for (const root of roots) {
     for (const model of root.references()) {
       if (model.type !== "Figure") continue

@@ -21,7 +21,7 @@ from .survey import Survey
 from .table import description, title
 
 SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'unsafe-eval'; img-src data:"
-"""The browser itself sees to it that the page asks no one for anything."""
+"""The browser itself prevents all requests of the page."""
 
 
 def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -> Path:
@@ -68,7 +68,7 @@ def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
     scenario = run.scenario_in_force(run.peak.revision)
     found = _contact(run, scenario) if scenario else None
     if found:
-        yield sections.pressure(run, found, _plot(plots.pressure_plot(found), "pressure-plot", "map"))
+        yield sections.pressure(run, found, _plot(plots.pressure_plot(run, found), "pressure-plot", "map"))
     if run.spectrum:
         marks = sections.known_frequencies(run, run.spectrum)
         yield sections.spectra(run.spectrum, _plot(plots.spectrum_plots(run, run.spectrum, marks), "spectrum-plots"))

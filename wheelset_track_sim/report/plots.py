@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import itertools
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -13,14 +13,18 @@ from bokeh.models import (
     ColorBar,
     ColumnDataSource,
     CustomJS,
+    GlyphRenderer,
     HoverTool,
     Label,
+    Legend,
+    LegendItem,
     LinearColorMapper,
     PanTool,
     Range1d,
     ResetTool,
     SaveTool,
     Span,
+    Title,
     WheelZoomTool,
     ZoomInTool,
     ZoomOutTool,
@@ -30,22 +34,30 @@ from bokeh.palettes import Inferno256
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
+from ..monitoring.limits import Limits
 from .contact_map import ContactMap
 from .envelope import drawn
 from .files import asset
 from .samples import WHEELS
 from .spectrum import Spectrum
 from .survey import Survey
+from .table import made_by
 
 COLOURS = ("#e0641f", "#3b8ed0", "#1f9e77", "#cc79a7", "#b8860b", "#7a6fd0")
 """Told apart on light and dark ground, and with every kind of colour vision."""
 MARK: Any = {"line_color": "#8c8c94", "line_width": 1, "line_dash": [4, 3]}
+NOTE_HEIGHT = 60
+"""Of the small print and of the axis above it, pixels."""
+PADDING = 0.06
+"""Space above and below curves, as a share of their range."""
+NEAR = 1.05
+"""Share of the largest force up to which limits are drawn."""
 MOST_CHANGES = 100
 """Most changes of the run that are marked in the plots."""
 
 
 def time_plots(run: Survey) -> LayoutDOM:
-    """Forces of both wheels and the stress of every node over time; the speed, too, if it changes."""
+    """Forces of both wheels and the stress of each node over time; the speed, too, if it changes."""
     found = drawn(run.bins, [closeup.samples for closeup in run.closeups])
     names = (*(f"wheel {wheel + 1}" for wheel in range(WHEELS)), *run.nodes)
     units = np.array([1e3] * WHEELS + [1e6] * len(run.nodes))
@@ -62,16 +74,26 @@ def time_plots(run: Survey) -> LayoutDOM:
     shown = ColumnDataSource({"time": np.array([run.start, end])} | extremes, name="shown")
     time = Range1d(run.start, end, bounds=(run.start, end), min_interval=1e-3, name="time")
 
+    def spread(number: int) -> float:
+        return float(np.ptp(extremes[f"value{number}"]))
+
     forces = over_an_axis("contact force (kN)", time, 320)
-    curves(forces, shown, range(WHEELS), names, "kN")
-    if not math.isnan(run.wheel_load):
-        forces.add_layout(Span(location=run.wheel_load / 1e3, dimension="width", **MARK))
+    widest_first = sorted(range(WHEELS), key=spread, reverse=True)  # a narrow curve is seen on a wide one
+    curves(forces, shown, range(WHEELS), names, "kN", order=widest_first)
+    _draw_limits(forces, run, time)
     _mark_impacts(forces, run)
     plots = [forces]
-    if run.nodes:
-        stresses = over_an_axis("max. principal stress (MPa)", time, 320)
-        curves(stresses, shown, range(WHEELS, len(names)), names, "MPa")
-        plots.append(stresses)
+    stresses = range(WHEELS, len(names))
+    least = min((extremes[f"value{number}"][0] for number in stresses), default=0.0)
+    most = max((extremes[f"value{number}"][1] for number in stresses), default=1.0)
+    margin = PADDING * (most - least)
+    same = Range1d(least - margin, most + margin)  # a panel each, to compare: in one, curves would hide one another
+    for number in stresses:
+        stress = over_an_axis(f"stress {names[number]} (MPa)", time, 170)
+        stress.y_range = same
+        line = _curve(stress, shown, number, names[number], COLOURS[(number - WHEELS) % len(COLOURS)], "time")
+        _read_out(stress, line, [(names[number], f"@value{number}{{0.0}} MPa")], "time")
+        plots.append(stress)
     if len(run.speeds) > 1:
         speed = over_an_axis("speed (km/h)", time, 180)
         since, speeds = zip(*run.speeds, strict=True)
@@ -87,6 +109,7 @@ def time_plots(run: Survey) -> LayoutDOM:
         for state in [state for state in run.states if state.revision][:MOST_CHANGES]:
             plot.add_layout(Span(location=state.time, dimension="height", **MARK))
     plots[-1].xaxis.axis_label = "simulated time (s)"
+    _add_note(plots[-1], run)
     for plot in plots[:-1]:
         plot.xaxis.major_label_text_font_size = "0pt"
     refine = CustomJS(
@@ -135,10 +158,11 @@ def spectrum_plots(run: Survey, spectrum: Spectrum, marks: Iterable[tuple[float,
         _finish(plot)
         plots.append(_zoomable(plot))
     plots[-1].xaxis.axis_label = "frequency (Hz)"
+    _add_note(plots[-1], run)
     return below_one_another(plots)
 
 
-def pressure_plot(contact: ContactMap) -> figure:
+def pressure_plot(run: Survey, contact: ContactMap) -> figure:
     """Contact pressure over the elements of the contact, and the rims of the defects there; axes in mm."""
     pressure = contact.pressure / 1e6
     colours = LinearColorMapper(
@@ -178,6 +202,7 @@ def pressure_plot(contact: ContactMap) -> figure:
         ColorBar(color_mapper=colours, title="contact pressure (MPa)", width=12, background_fill_alpha=0.0), "right"
     )
     _finish(plot)
+    _add_note(plot, run)
     return plot
 
 
@@ -185,7 +210,7 @@ def over_an_axis(title: str, axis: Range1d, height: int) -> figure:
     """Empty plot over an axis that others may share."""
     plot = figure(x_range=axis, height=height, tools="")
     plot.yaxis.axis_label = title
-    plot.y_range.range_padding = 0.06
+    plot.y_range.range_padding = PADDING
     _finish(plot)
     return _zoomable(plot)
 
@@ -206,20 +231,55 @@ def curves(
     *,
     x: str = "time",
     digits: str = "0.0",
+    order: Sequence[int] | None = None,
 ) -> None:
-    """One curve a column; the first is drawn last, so that the damaged wheel and the most stressed node lie on top."""
-    for number in reversed(part):
-        colour = COLOURS[(number - part[0]) % len(COLOURS)]
-        name = names[number]
-        line = plot.line(x, f"value{number}", source=source, color=colour, line_width=1.3, legend_label=name, name=name)
-        where = ("time", "@time{0.0000} s") if x == "time" else ("frequency", "@frequency{0.0} Hz")
-        tips = [(name, f"@value{number}{{{digits}}} {unit}"), where]
-        plot.add_tools(HoverTool(renderers=[line], tooltips=tips, line_policy="nearest", visible=False))
-    legend = plot.legend[0]
-    legend.items.reverse()
-    legend.update(orientation="horizontal", click_policy="hide", border_line_alpha=0.0, background_fill_alpha=0.0)
-    legend.update(padding=0, margin=2, spacing=10)
+    """One curve a column, with a legend and a readout of all values wherever the mouse is.
+
+    The first curve is drawn last and lies on top, unless ``order`` says in which order curves are drawn.
+    """
+    colours = dict(zip(part, itertools.cycle(COLOURS), strict=False))
+    lines = {number: _curve(plot, source, number, names[number], colours[number], x) for number in order or part[::-1]}
+    values = [(names[number], f"@value{number}{{{digits}}} {unit}") for number in part]
+    _read_out(plot, lines[part[0]], values, x)
+    items = [LegendItem(label=names[number], renderers=[lines[number]]) for number in part]
+    legend = Legend(items=items, orientation="horizontal", click_policy="hide", border_line_alpha=0.0)
+    legend.update(background_fill_alpha=0.0, padding=0, margin=2, spacing=10)
     plot.add_layout(legend, "above")
+
+
+def _curve(plot: figure, source: ColumnDataSource, number: int, name: str, colour: str, x: str) -> GlyphRenderer:
+    line: GlyphRenderer = plot.line(x, f"value{number}", source=source, color=colour, line_width=1.3, name=name)
+    return line
+
+
+def _read_out(plot: figure, line: GlyphRenderer, values: list[tuple[str, str]], x: str) -> None:
+    """Say values of a line's source where the mouse is, above or below the line, too."""
+    tips = [*values, ("time", "@time{0.0000} s") if x == "time" else ("frequency", "@frequency{0.0} Hz")]
+    plot.add_tools(HoverTool(renderers=[line], tooltips=tips, mode="vline", line_policy="nearest", visible=False))
+
+
+def _draw_limits(plot: figure, run: Survey, time: Range1d) -> None:
+    """Lines at the static force, the threshold of impacts and the limit of the alarm, those that forces come near."""
+    plot.y_range.renderers = [*plot.renderers]
+    limits = {"static": run.wheel_load, "impact": run.threshold, "alarm": Limits().force_error}
+    dashes: dict[str, list[int]] = {"static": [4, 3], "impact": [8, 4], "alarm": []}
+    for name, force in limits.items():
+        if force <= NEAR * run.peak.force:  # none that is unknown, either
+            line = plot.line(
+                [time.start, time.end],
+                [force / 1e3] * 2,
+                line_color=MARK["line_color"],
+                line_dash=dashes[name],
+                name=name,
+            )
+            plot.legend[0].items.append(LegendItem(label=name, renderers=[line]))
+
+
+def _add_note(plot: figure, run: Survey) -> None:
+    """Small print below a plot, which a saved picture keeps."""
+    text = made_by(run).replace(". ", ".\n", 1)
+    plot.height += NOTE_HEIGHT
+    plot.add_layout(Title(text=text, text_font_size="10px", text_font_style="normal", name="note"), "below")
 
 
 def _mark_impacts(plot: figure, run: Survey) -> None:

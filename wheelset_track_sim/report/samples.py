@@ -91,7 +91,7 @@ class Closeup:
 
 
 class Closeups:
-    """Keeps ``number`` stretches from ``before`` to ``after`` samples around the largest of the peaks it is told.
+    """Keeps ``number`` stretches from ``before`` to ``after`` samples around the largest of the given peaks.
 
     A peak may be told up to ``late`` samples after it has passed.
     """

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..contact.hardness import flag
 from ..irregularities.description import description_of
+from ..monitoring.limits import Limits
 from ..samples.impacts import Impact
 from .contact_map import ContactMap
 from .files import PAPER
@@ -19,6 +20,10 @@ from .table import between, headings, rows, source
 
 VIEW = 0.010, 0.030
 """Time shown before and after an impact, s."""
+AMPLITUDE = (
+    "Bending amplitude: half the range of bending stress that a point of the turning axle goes through, in the turn "
+    "with the largest. Fatigue limits refer to it; by default, diagnostics warn above {} and raise an alarm above {}."
+)
 MOST_IMPACTS = 100
 """Most impacts that are listed."""
 MOST_LOSSES = 50
@@ -39,7 +44,11 @@ def peaks(run: Survey) -> str:
         first = ' class="first"' if unit and row.unit != unit else ""
         lines.append(f"<tr{first}><td>{escape(row.label)}</td>{''.join(cells)}</tr>")
         unit = row.unit
-    note = f'<p class="quiet">{escape(source(run.passage))} {PAPER}</p>' if run.passage else ""
+    notes = [f"{escape(source(run.passage))} {PAPER}"] if run.passage else []
+    if not all(map(math.isnan, run.amplitudes)):
+        limits = (f"{limit / 1e6:g} MPa" for limit in (Limits().stress_warn, Limits().stress_error))
+        notes.append(AMPLITUDE.format(*limits))
+    note = "".join(f'<p class="quiet">{text}</p>' for text in notes)
     kind = "compared" if run.passage else "alone"
     table = f'<table class="{kind}"><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table>'
     return f"<h2>Peaks</h2>{table}{note}"
@@ -71,11 +80,14 @@ def over_time(run: Survey, plot: str) -> str:
             f"so that no peak is lost, and every step within about one turn of the wheel around the "
             f"{len(run.closeups)} largest forces."
         )
-    dashed = "" if math.isnan(run.wheel_load) else "Dashed: the force at rest. "
+    static = "" if math.isnan(run.wheel_load) else f"static {run.wheel_load / 1e3:.4g} kN, "
+    impact = "" if math.isnan(run.threshold) else f"impact {run.threshold / 1e3:.4g} kN, "
+    lines = f"Lines: {static}{impact}alarm {Limits().force_error / 1e3:.4g} kN, as far as forces reach them. "
+    stress = "Stress is the maximum principal stress. " if run.nodes else ""
     return (
         f'<h2 id="over-time">Forces and stresses over time</h2><p class="screen">{buttons}</p>{plot}'
-        f'<p class="quiet">{drawn} {dashed}Drag to zoom into a time, or turn the mouse wheel with the Ctrl key; '
-        "a finger pans, two zoom. All plots show the same time.</p>"
+        f'<p class="quiet">{drawn} {lines}{stress}Drag to zoom into a time, or turn '
+        "the mouse wheel with the Ctrl key; a finger pans, two zoom. All plots show the same time.</p>"
     )
 
 

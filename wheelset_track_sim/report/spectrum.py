@@ -10,7 +10,7 @@ import scipy
 from ..runtime.arrays import Real
 
 SEGMENT = 2**14
-"""Samples of a segment: 0.6 s at 100 km/h and 1 mm, so that the turns of the wheel (10 Hz) are told apart."""
+"""Samples of a segment: 0.6 s at 100 km/h and 1 mm, so that the turns of the wheel (10 Hz) are resolved."""
 LEAST = 2**8
 """Fewest samples that a spectrum is made of."""
 

@@ -19,6 +19,7 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, combine, summarise
 from ..scenario import Scenario, scenario_from
+from .bending import BendingAmplitudes
 from .envelope import Bins, Envelope
 from .published import LoadCasePassage, published_passage
 from .samples import Closeup, Closeups, SampleSeries, joined, samples_of
@@ -50,7 +51,7 @@ class Peak:
 
 @dataclass(frozen=True)
 class InForce:
-    """What held from a step of the run on; NaN and None stand for what the bag does not say."""
+    """Conditions from a step of the run on; NaN and None are what the bag does not contain."""
 
     revision: int
     step: int
@@ -94,7 +95,7 @@ class Survey:
     start: float
     """Simulated time of the first sample, s."""
     end: float
-    """Simulated time behind the last sample, s."""
+    """Simulated time after the last sample, s."""
     duration: float
     """Of all samples, s."""
     distance: float
@@ -104,6 +105,8 @@ class Survey:
     in_force: tuple[InForce, ...]
     """What was in force, revision by revision."""
     summary: Summary
+    amplitudes: tuple[float, ...]
+    """Bending amplitude at each node in the turn with the largest, Pa; NaN if unknown."""
     passage: LoadCasePassage | None
     peak: Peak
     bins: Bins
@@ -152,7 +155,7 @@ def survey_of(
     path: Path,
     settings: ImpactSettings | None = None,
 ) -> Survey:
-    """Survey of blocks in their order, and states where they stand among them."""
+    """Survey of blocks and states in their order."""
     collected: _Collected | None = None
     states: list[State] = []
     for event in events:
@@ -188,6 +191,7 @@ class _Collected:
         self._radius, self._threshold = self._scenario.wheelset.rolling_radius if self._scenario else math.nan, math.nan
         self._impacts: list[Impact] = []
         self._settings, self._detector = settings, self._new_detector(settings)
+        self._bending = BendingAmplitudes(self._scenario, self._turn, first.nodes) if self._scenario else None
         self.wheel_load = math.nan
         if self._detector and self._scenario:
             self.wheel_load = self._scenario.wheel_load
@@ -197,9 +201,13 @@ class _Collected:
         """None if the wheel is unknown."""
         if self._scenario is None or math.isnan(self._radius):
             return None
-        dx = self._first.speed * self._first.step_period
-        turn, origin = round(2 * math.pi * self._radius / dx), round(self._scenario.reference_position / dx)
-        return ImpactDetector(turn, origin, settings)
+        origin = round(self._scenario.reference_position / (self._first.speed * self._first.step_period))
+        return ImpactDetector(self._turn, origin, settings)
+
+    @property
+    def _turn(self) -> int:
+        """Steps of a turn of the wheels."""
+        return round(2 * math.pi * self._radius / (self._first.speed * self._first.step_period))
 
     def push(self, block: SampleBlock, wheel_load: float) -> None:
         if self._total is not None:
@@ -210,6 +218,8 @@ class _Collected:
         self._welch.push(block.speed, block.step_period, samples.values)
         self._closeups.push(samples)
         self._look_for_peak(block, samples)
+        if self._bending:
+            self._bending.push(block)
         if self._detector:
             self._keep(self._detector.push(block, wheel_load))
         if not self._speeds or self._speeds[-1][1] != block.speed:
@@ -224,7 +234,7 @@ class _Collected:
         self._last = block
 
     def _pass_gap(self, block: SampleBlock) -> None:
-        """Steps that are missing before a block are drawn as nothing, and nothing is told of them."""
+        """Leave steps blank that are missing before a block."""
         last = self._last
         step, time = last.first_step + len(last), last.time + len(last) * last.step_period
         missing = block.first_step - step
@@ -238,6 +248,8 @@ class _Collected:
             self._envelope.push(samples)
             self._closeups.push(samples)
         self._welch.leave()
+        if self._bending:
+            self._bending.leave()
         if self._detector:
             self._keep(self._detector.finish())
             self._detector = self._new_detector(self._settings)
@@ -306,6 +318,7 @@ class _Collected:
             speeds=tuple(self._speeds),
             in_force=_in_force(self._driven, states, self._info),
             summary=self._total,
+            amplitudes=self._bending.largest if self._bending else (math.nan,) * len(first.nodes),
             passage=passage,
             peak=self._peak,
             bins=self._envelope.bins(),

@@ -43,9 +43,13 @@ def rows(run: Survey) -> list[TableRow]:
     load = run.wheel_load
     passage = _figures(run.passage.summary, load) if run.passage else {}
     printed = _figures(run.passage.case.printed, load) if run.passage else {}
-    return [
+    found = [
         TableRow(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
         for (label, unit), value in _figures(run.summary, load).items()
+    ]
+    amplitudes = zip(run.nodes, run.amplitudes, strict=True)
+    return found + [
+        TableRow(f"Bending amplitude {node}", "MPa", of / 1e6) for node, of in amplitudes if not math.isnan(of)
     ]
 
 
@@ -81,6 +85,14 @@ def description(run: Survey) -> str:
     return f"{speed}{load}{dynamics}, {run.duration:.4g} s, {run.distance:.4g} m, {run.steps} steps"
 
 
+def made_by(run: Survey) -> str:
+    """Scenario, wheelset, track and the version that recorded them: the small print of every figure."""
+    facts = [f"Scenario {run.info.scenario_name}"]
+    facts += [f"{run.scenario.wheelset.name} on {run.scenario.track.name}"] if run.scenario else []
+    version = run.info.versions.get("wheelset_track_sim", "of an unknown version")
+    return printable(f"{', '.join(facts)}. Recorded by wheelset_track_sim {version}")
+
+
 def between(values: Iterable[float], size: float, unit: str) -> str:
     """The range of values in SI in four digits of a ``unit`` of a ``size``, or the one value."""
     found = [value / size for value in values]
@@ -95,7 +107,7 @@ def headings(run: Survey) -> tuple[str, ...]:
 
 
 def source(passage: LoadCasePassage) -> str:
-    """What the figures of the paper are, and what of the run stands beside them."""
+    """Source of the paper's figures, and the part of the run that is compared with them."""
     return (
         f"Passage: {passage.start:.4g} to {passage.end:.4g} m, where angle 0 of the treads first meets the rail, "
         f"above a sleeper. Paper: {passage.case.source}."
@@ -103,7 +115,7 @@ def source(passage: LoadCasePassage) -> str:
 
 
 def summary_table(run: Survey) -> Table:
-    """Table of a run for the terminal; the paper's figures stand beside it where the paper prints them."""
+    """Table of a run for the terminal, with the paper's figures where the paper prints them."""
     table = Table(title=f"{title(run)}\n{description(run)}", title_justify="left", min_width=72)
     table.add_column("")
     for heading in headings(run):

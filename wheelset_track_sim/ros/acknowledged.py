@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.duration import Duration
 
 PATIENCE = 1.0
-"""Bound on the wait for all of them together, s: a subscriber that stands holds nobody up for long."""
+"""Bound on the wait for all of them together, s: a subscriber that does not respond delays the others only so long."""
 
 
 def wait_for_subscribers(publishers: Iterable[Any]) -> None:

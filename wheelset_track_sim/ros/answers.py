@@ -28,7 +28,7 @@ def served(log: Any, name: str, answer: Callable[[Any], Answer], request: Any, r
         log.fatal(traceback.format_exc())
         fields = {"success": False, "message": f"it failed, see the node's log: {failure!r}"}
     if not fields["success"]:
-        log.warning(f"{name} is refused: {fields['message']}")
+        log.warning(f"{name} is rejected: {fields['message']}")
     for field, value in fields.items():
         setattr(response, field, value)
     return response
@@ -48,5 +48,5 @@ def _answered(log: Any, name: str, callback: Callable[[Any, Any], Any], request:
     try:
         return callback(request, response)
     except Exception as refusal:  # noqa: BLE001  the executor must live, and the client must not wait
-        log.warning(f"{name} is refused: {' '.join(str(refusal).split())}")
+        log.warning(f"{name} is rejected: {' '.join(str(refusal).split())}")
         return response

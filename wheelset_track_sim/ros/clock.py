@@ -1,4 +1,4 @@
-"""Time of the node: what paces its run, where its stamps begin, and ``/clock`` if the node is the one to tell it."""
+"""Time of the node: what paces its run, where its stamps begin, and ``/clock`` if the node publishes it."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ ANY_CHANGE = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Dur
 
 
 class NodeClock:
-    """The machine's elapsed time, or with ``use_sim_time`` the time on ``/clock``, which may stand and be set back.
+    """The machine's elapsed time, or with ``use_sim_time`` the time on ``/clock``, which may stop and be set back.
 
     Nothing polls: who sleeps is woken by each message on ``/clock``.
     """
 
     def __init__(self, node: Node, *, publish: bool) -> None:
-        """Of ``node``, as long as it lives; with ``publish`` it tells the time on ``/clock``."""
+        """Of ``node``, as long as it lives; with ``publish`` it publishes the time on ``/clock``."""
         self._node, self._clock = node, node.get_clock()
         self._log = node.get_logger()
         self._sleeping: set[threading.Event] = set()
@@ -44,7 +44,7 @@ class NodeClock:
         return bool(self._clock.ros_time_is_active)
 
     def now_ns(self) -> int:
-        """Time for stamps, ns; 0 while nothing has been told on ``/clock`` yet."""
+        """Time for stamps, ns; 0 before the first message on ``/clock``."""
         return int(self._clock.now().nanoseconds)
 
     def now(self) -> float:
@@ -78,7 +78,7 @@ class NodeClock:
             wake.set()
 
     def warn_of_others(self) -> None:
-        """Log if the node is not the only one that tells the time."""
+        """Log if the node is not the only one that publishes the time."""
         if self._publisher is not None:
             others = self._node.count_publishers(self._publisher.topic_name) - 1
             if others > 0:
@@ -95,5 +95,5 @@ class NodeClock:
         if jump.clock_change != ClockChange.ROS_TIME_NO_CHANGE or forward < 0 or forward == self.now_ns():
             self.epoch += 1  # another clock, one that was set back, or the first message
         if forward < 0:
-            self._log.warning(f"{TOPIC} was set back by {-forward * 1e-9:g} s: the run goes on from where it is")
+            self._log.warning(f"{TOPIC} was set back by {-forward * 1e-9:g} s: the run continues from where it is")
         self.wake()

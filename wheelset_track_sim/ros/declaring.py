@@ -63,7 +63,7 @@ def whole(quantity: Quantity, description: str, *, read_only: bool = False) -> P
 
 
 def warn_of_unknown(node: Node) -> None:
-    """A name that nobody declared may be a slip, or in a file shared with other nodes: it is not refused."""
+    """Warn of names that are not declared: they may be mistyped, or belong to other nodes that share the file."""
     for name in _overrides(node):
         if not node.has_parameter(name) and not name.startswith(OF_ROS):
             node.get_logger().warning(f"parameter {name} is not known and not used")

@@ -19,7 +19,7 @@ from ..inputs.schema import unknown
 
 PACKAGE = "wheelset_track_sim"
 Shown = Mapping[str, tuple[str, type, str]]
-"""Launch arguments that stand for a parameter: its name, its type, what it does."""
+"""Launch arguments that set a parameter: its name, its type, what it does."""
 
 
 class Program(NamedTuple):
@@ -31,7 +31,7 @@ class Program(NamedTuple):
 
 PARAMETERS: Shown = {
     "scenario": ("scenario", str, "name of a shipped scenario, or path of a scenario file"),
-    "autostart": ("autostart", bool, "configure and activate without being told: true or false"),
+    "autostart": ("autostart", bool, "configure and activate at the start: true or false"),
     "real_time_factor": ("real_time_factor", float, "simulated time over elapsed time; 0 is as fast as possible"),
     "use_sim_time": ("use_sim_time", bool, "follow the time on /clock: true or false"),
     "record": ("record.on_start", bool, "record from the start of the run on: true or false"),
@@ -41,11 +41,13 @@ OF_REPLAY: Shown = {
     "bag": ("bag", str, "bag folder or .mcap file"),
     "rate": ("rate", float, "times as fast as recorded; 0 is as fast as possible"),
     "loop": ("loop", bool, "begin again at the end: true or false"),
-    "start_offset": ("start_offset", float, "time behind the first message at which the replay begins, s"),
+    "start_offset": ("start_offset", float, "time after the first message at which the replay begins, s"),
     "duration": ("duration", float, "time of the bag after which the replay ends, s; 0 is all of it"),
-    "start_paused": ("start_paused", bool, "wait to be told to go on: true or false"),
-    "stamps": ("stamps", str, "original, or now: those of a run that begins now"),
-    "publish_clock": ("publish_clock", bool, "tell the time of the replay on /clock: true or false"),
+    "delay": ("delay", float, "time that passes before the replay begins, s"),
+    "wait": ("wait", float, "longest time to wait for a subscription before the replay begins, s"),
+    "start_paused": ("start_paused", bool, "wait until the service resume is called: true or false"),
+    "stamps": ("stamps", str, "original, or now: current time stamps"),
+    "publish_clock": ("publish_clock", bool, "publish the time of the replay on /clock: true or false"),
     "prefix": ("prefix", str, "name of the node that topics get; ~ is this node's"),
     "use_sim_time": ("use_sim_time", bool, "follow the time on /clock: true or false"),
 }
@@ -77,7 +79,7 @@ def description(
     shipped = files(PACKAGE) / "data" / "config" / parameters
     arguments = {
         **own,
-        "params_file": (str(shipped), "parameter file; what the other arguments give stands above it"),
+        "params_file": (str(shipped), "parameter file; other arguments override it"),
         **{name: ("", f"{told}; empty: as in the parameter file") for name, (_, _, told) in program.arguments.items()},
         "log_level": ("info", f"least level of what is logged: {', '.join(LEVELS)}"),
     }
@@ -115,7 +117,7 @@ def _check(program: Program, value: Value) -> None:
 
 
 def _ended(alone: bool, event: Any, context: LaunchContext) -> None:
-    """End the launch with an error if a process rejected its input, or failed while no other one goes on.
+    """End the launch with an error if a process rejected its input, or failed while no other one continues.
 
     ``launch`` would end with status 0. A process that ends by a signal, such as Ctrl-C, has a negative status.
     """

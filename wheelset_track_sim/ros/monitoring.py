@@ -1,4 +1,4 @@
-"""What the node tells monitoring stacks: ``/diagnostics``, impacts, metrics."""
+"""Outputs of the node for monitoring stacks: ``/diagnostics``, impacts, metrics."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from .conversions import diagnostics
 from .parameters import Parameters, Watching
 
 PERIOD = 1.0
-"""Wall time from report to report, s; what gets worse is told at once."""
+"""Wall time from report to report, s; changes for the worse are reported at once."""
 
 
 class Monitoring:
     """Watches a node from its start to its end, also while it has no models; methods may be called in any thread."""
 
-    def __init__(self, node: Node, parameters: Parameters, recording: Callable[[], Status]) -> None:
-        """For ``node``; ``recording`` says how its bag is."""
-        self._node, self._parameters, self._recording = node, parameters, recording
+    def __init__(self, node: Node, parameters: Parameters, others: Callable[[], list[Status]]) -> None:
+        """For ``node``; ``others`` says how all is that is not of its run, such as its bag."""
+        self._node, self._parameters, self._others = node, parameters, others
         self._name = node.get_fully_qualified_name().lstrip("/")
         self._simulation = Status("simulation", Level.OK, "unconfigured")
         self._simulator: Simulator | None = None
@@ -76,12 +76,12 @@ class Monitoring:
             self._monitor.wanted = real_time_factor
 
     def run(self) -> None:
-        """The run goes on."""
+        """The run continues."""
         self._pause = ""
         self._tell("running")
 
     def pause(self, why: str) -> None:
-        """The run stands, until ``run``."""
+        """The run is paused, until ``run``."""
         self._pause = why
         self._tell(why)
 
@@ -108,7 +108,7 @@ class Monitoring:
     def report(self) -> None:
         """Publish how all is."""
         monitor, simulator, metrics = self._monitor, self._simulator, self._metrics
-        statuses = [self._simulation, self._recording()]
+        statuses = [self._simulation, *self._others()]
         if monitor is not None and simulator is not None:
             statuses += monitor.stale(self._pause) if self._pause else monitor.report()
         if metrics is not None:

@@ -16,7 +16,9 @@ def fleet_names(text: str, option: str = "--fleet") -> list[str]:
     names = text.split(",")
     for name in names:
         if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-            raise InputError(f"{option} {text}: {name!r} is no name of a node: give letters, digits and underscores")
+            raise InputError(
+                f"{option} {text}: {name!r} is not a valid node name: give letters, digits and underscores"
+            )
     if len(set(names)) < len(names):
         raise InputError(f"{option} {text} names a node twice: give each its own name")
     return names

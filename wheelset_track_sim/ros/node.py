@@ -29,9 +29,11 @@ from ..scenario import Scenario
 from ..scenario.values import values_of
 from ..simulation.changes import Applied, OvertakenError, Revision
 from ..simulation.fleet import ModelPool
+from ..simulation.models import compile_for_changes
 from ..simulation.simulator import Simulator
 from .answers import answer_always
 from .clock import NodeClock
+from .lost_answers import LostAnswers
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
@@ -52,7 +54,7 @@ SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FA
 
 
 class Interrupted(WheelsetTrackError):  # noqa: N818  no error: it was told to
-    """The node was told to end while it built its models."""
+    """A signal ended the node while it built its models."""
 
 
 class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
@@ -101,10 +103,15 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._outputs = Outputs(self, self.parameters.decimation({}), frames.track, position)
         self.recorder = Recorder(self.get_fully_qualified_name(), self.get_logger().error)
         self._set_recorder(self.parameters.recording({}))
-        self._monitoring = Monitoring(self, self.parameters, lambda: recording_status(self.recorder.figures))
+        lost = LostAnswers(self.get_logger())
+        self._monitoring = Monitoring(
+            self, self.parameters, lambda: [recording_status(self.recorder.figures), lost.status()]
+        )
         Services(self)
         self._standard = StandardServices(self)
         answer_always(self)
+        for service in self.services:
+            lost.watch(service)
         self._turns = in_turns(self)
         self.add_on_set_parameters_callback(self._on_parameters)
 
@@ -114,7 +121,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         return self.recorder.lost
 
     def autostart(self) -> None:
-        """Configure and activate; what stands in the way ends the node."""
+        """Configure and activate; a failure ends the node."""
         try:
             started = self.trigger_configure() == SUCCESS and self.trigger_activate() == SUCCESS
         except Exception as failure:  # noqa: BLE001  another has sent the node through its states meanwhile
@@ -186,7 +193,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             if result.successful:
                 result.reason = self._accepted
             else:
-                self.get_logger().warning(f"parameters are refused: {result.reason}")
+                self.get_logger().warning(f"parameters are rejected: {result.reason}")
             return result
 
     def tell_change(self, by: str, before: Scenario, revision: Revision) -> str:
@@ -267,7 +274,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self._transition.release()
 
     def _renew(self) -> None:
-        """Another run instead of the one at hand, which goes on if that one did."""
+        """Replace the run by a new one, which continues if the old one was running."""
         before = self.needed_run()
         simulator = Simulator(self.revisions.scenario, self._stop_if_interrupted, before.simulator.models)
         simulator.settle()
@@ -325,7 +332,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             raise self._refusal or InputError("the node did not change its state: see its log")
 
     def _guarded(self, step: Callable[[Any], None], previous: LifecycleState) -> TransitionCallbackReturn:
-        """One transition: an error of ours is told in one line and fails it, any other is logged with its traceback."""
+        """Run one transition: an expected error is logged in one line and fails it, any other with its traceback."""
         self._refusal = None
         with self._transition:
             try:
@@ -370,8 +377,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.needed_run().stand("configured, not active")
 
     def _begin(self, simulator: Simulator, bag: Path | None) -> None:
-        """A run that stands at step 0; ``bag`` is to be opened when it goes on."""
+        """A run that is paused at step 0; ``bag`` is opened when it continues."""
         self.revisions.attach(simulator)
+        compile_for_changes(simulator.scenario)
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact
@@ -441,7 +449,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring.end()
 
     def _now_ns(self) -> int:
-        """Time stamp of a run that begins now: the clock's, but behind all stamps of the run before."""
+        """Time stamp of a run that begins now: the clock's, but after all stamps of the run before."""
         if self.run is not None:
             self._earliest_ns = max(self._earliest_ns, self.run.end_ns if self.run.next_step else 0)
         return max(self._earliest_ns, self._time.now_ns())
@@ -468,7 +476,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             if event.snapshot:
                 self.needed_run().begin_snapshot().add_done_callback(partial(_tell, log, "took the snapshot"))
         except WheelsetTrackError as refusal:
-            log.warning(f"{event} is refused: {refusal}")
+            log.warning(f"{event} is rejected: {refusal}")
         if self.executor is not None:
             self.executor.create_task(self.revisions.catch_up)
 
@@ -511,7 +519,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         following = changes.get("use_sim_time", self._time.following)
         self.parameters.check_clock(following)
         if following != self._time.following and self.run is not None and self.run.next_step > 0:
-            raise InputError("use_sim_time cannot change while there is a run, whose stamps go on: clean up first")
+            raise InputError(
+                "use_sim_time cannot change during a run, whose time stamps must continue: clean up the node first"
+            )
 
 
 def _tell(log: Any, what: str, done: Future[Any]) -> None:

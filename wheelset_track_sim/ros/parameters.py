@@ -25,21 +25,21 @@ T = TypeVar("T")
 
 START_UP = {
     "scenario": ("damage_wheel_1", "Name of a shipped scenario, or path of a scenario file"),
-    "autostart": (True, "Configure and activate without being told"),
-    "profiles.directory": ("profiles", "Folder below which files lie that irregularities name over ROS"),
+    "autostart": (True, "Configure and activate at the start, without a lifecycle manager"),
+    "profiles.directory": ("profiles", "Folder of the files that irregularities may name over ROS"),
     "record.directory": ("recordings", "Folder in which bags are written"),
     "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
     "record.on_start": (False, "Record from the start of the run on"),
     "frame_prefix": ("", "Prefix of frame_id; empty: the name of the node, and none if that is wheelset_track_sim"),
-    "publish_odometry": (False, "Tell the position of the wheelset on odometry, once a chunk; needs nav_msgs"),
-    "publish_tf": (False, "Tell the transforms map, track, wheelset on /tf and /tf_static; needs tf2_msgs"),
-    "publish_clock": (False, "Tell the time of the run on /clock, for nodes with use_sim_time"),
+    "publish_odometry": (False, "Publish the position of the wheelset on odometry, once a chunk; needs nav_msgs"),
+    "publish_tf": (False, "Publish the transforms map, track, wheelset on /tf and /tf_static; needs tf2_msgs"),
+    "publish_clock": (False, "Publish the time of the run on /clock, for nodes with use_sim_time"),
     "prometheus.address": ("127.0.0.1", "Address on which metrics are served; 0.0.0.0 is all of this machine"),
 }
 PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
 WATCHED = {"impact": ImpactSettings, "diagnostics": Limits}
 """What is watched, by the first part of the names of its parameters."""
-MODE = "continuous: all is recorded; snapshot: what is around impacts, or asked for"
+MODE = "continuous records everything; snapshot records the time around impacts, and on request"
 DECIMATED = ("contact_forces", "axle_stress")
 """Topics that may be decimated."""
 
@@ -121,7 +121,7 @@ class Parameters:
         """Raises InputError if the node cannot have its time on ``/clock``."""
         if use_sim_time and self["publish_clock"]:
             raise InputError(
-                "use_sim_time = true is refused while publish_clock is true: "
+                "use_sim_time and publish_clock cannot both be true: "
                 "a node cannot follow the clock that it publishes, set one of them to false"
             )
 

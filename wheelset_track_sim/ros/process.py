@@ -17,7 +17,7 @@ from .node import NAME, SimulationNode
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the node, or a fleet, until all end by themselves or are told to by a signal; returns 0.
+    """Run the node, or a fleet, until all have ended, or a signal ends them; returns 0.
 
     Raises InputError for arguments or parameters that cannot be used, WheelsetTrackError if a run failed.
     """
@@ -95,13 +95,13 @@ def _names(arguments: Sequence[str]) -> list[str]:
     parser = argparse.ArgumentParser(
         prog="wheelset-track-sim node",
         usage="%(prog)s [--fleet N | NAME,NAME,...] [--ros-args -p NAME:=VALUE ... --params-file FILE ...]",
-        description="The ROS 2 node. Its parameters describe themselves: ros2 param describe /wheelset_track_sim NAME",
+        description="Run the ROS 2 node. To describe a parameter: ros2 param describe /wheelset_track_sim NAME",
         exit_on_error=False,
     )
     parser.add_argument(
         "--fleet",
         metavar="N | NAME,NAME,...",
-        help="several nodes in one process, each with topics, parameters and lifecycle of its own: "
+        help="run several nodes in one process, each with its own topics, parameters and lifecycle: "
         "wheelset_1 to wheelset_N, or the names given",
     )
     try:

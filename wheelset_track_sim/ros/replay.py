@@ -58,6 +58,7 @@ class ReplayNode(Node):  # type: ignore[misc]
         self._interrupted = False
         self._reported = 0  # damages that have been logged
         self._origin_ns = 0
+        self._begun = False
         self._thread = threading.Thread(target=self._play, name="replay")
         self._time = NodeClock(self, publish=self.parameters["publish_clock"])
         self._restamping = Restamping() if self.parameters["stamps"] == "now" else None
@@ -143,7 +144,7 @@ class ReplayNode(Node):  # type: ignore[misc]
             f"playing {self._bag.path}, {len(self._topics)} topics, {length:.3f} s"
             + (", paused" if self.player.paused else "")
         )
-        self.player.run()
+        self.player.run(self.parameters.start().ready([*self._outlets.values()]))
 
     def _moved(self, begin_ns: int, played_ns: int) -> None:
         """In the player's thread: another part of the bag follows, so publish the latched messages in force there."""
@@ -158,6 +159,8 @@ class ReplayNode(Node):  # type: ignore[misc]
 
     def _deliver(self, message: Played, played_ns: int) -> None:
         """In the player's thread: publish a message."""
+        if not self._begun:  # stamps of now do not begin while it waits
+            self._begun, self._origin_ns = True, self._time.now_ns() - played_ns
         topic = self._topics[message.topic]
         cdr, due_ns = message.cdr, message.time_ns
         if self._restamping is not None:

@@ -13,23 +13,25 @@ from ..errors import InputError
 from ..inputs.schema import quantity_of
 from ..live.player import Playback
 from .declaring import declare, fixed, flag, number, warn_of_unknown
+from .replay_start import Start
 
 START_UP = {
     "bag": ("", "Bag folder or .mcap file"),
     "stamps": (
         "original",
-        "Stamps of the messages: original, or now, which begin at the clock and go on with the replay",
+        "Stamps of the messages: original, or now, which start at the current time",
     ),
     "prefix": (
         "",
         "Name of the node that topics get instead of the recorded one; ~ is this node's, empty: as recorded",
     ),
-    "publish_clock": (False, "Tell the time of the replay on /clock, for nodes with use_sim_time"),
-    "start_paused": (False, "Wait to be told to go on"),
+    "publish_clock": (False, "Publish the time of the replay on /clock, for nodes with use_sim_time"),
+    "start_paused": (False, "Wait until the service resume is called"),
 }
 STAMPS = ("original", "now")
 POSITION = dataclasses.replace(quantity_of(Playback, "start_offset"), meaning="the time in the bag, set to seek there")
 FIXED = ("start_offset", "duration")
+BEFORE = ("delay", "wait")
 
 
 class ReplayParameters:
@@ -42,6 +44,8 @@ class ReplayParameters:
             declare(node, name, default, fixed(description))
         for name in ("rate", *FIXED):
             declare(node, name, getattr(Playback, name), number(quantity_of(Playback, name), read_only=name in FIXED))
+        for name in BEFORE:
+            declare(node, name, getattr(Start, name), number(quantity_of(Start, name), read_only=True))
         declare(node, "position", self["start_offset"], number(POSITION))
         declare(node, "loop", False, flag("Begin again at the end"))
         warn_of_unknown(node)
@@ -51,7 +55,7 @@ class ReplayParameters:
             raise InputError(f"stamps = {self['stamps']} is not known: give one of {', '.join(STAMPS)}")
         if self["use_sim_time"] and self["publish_clock"]:
             raise InputError(
-                "use_sim_time = true is refused while publish_clock is true: "
+                "use_sim_time and publish_clock cannot both be true: "
                 "a node cannot follow the clock that it publishes, set one of them to false"
             )
 
@@ -63,6 +67,10 @@ class ReplayParameters:
         """What is to be played, and how."""
         return Playback(**{field.name: self[field.name] for field in dataclasses.fields(Playback)})
 
+    def start(self) -> Start:
+        """When it begins."""
+        return Start(**{name: self[name] for name in BEFORE})
+
     def renamed(self, topic: Topic, recorded: Iterable[Topic]) -> str:
         """Name under which a topic is published; InputError if ``recorded`` are of several nodes, and one is named."""
         wanted: str = self["prefix"].rstrip("/")
@@ -71,7 +79,7 @@ class ReplayParameters:
         before = {other.prefix for other in recorded if other.prefix is not None}
         if len(before) > 1:
             raise InputError(
-                f"prefix = {wanted} stands for one node, but the bag has {', '.join(sorted(before))}: "
+                f"prefix = {wanted} replaces the name of one node, but the bag has {', '.join(sorted(before))}: "
                 "rename topics by --ros-args -r FROM:=TO"
             )
         inside = [name for name in before if topic.name.startswith(f"{name}/")]

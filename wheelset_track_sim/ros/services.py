@@ -141,7 +141,7 @@ class Services:
             self._node.get_logger().fatal(traceback.format_exc())
             return
         if not answer.get("success", True):
-            self._node.get_logger().warning(f"{topic} is refused: {answer['message']}")
+            self._node.get_logger().warning(f"{topic} is rejected: {answer['message']}")
 
     def _set_tread_damage(self, request: Any) -> Answer:
         return self._changed("set_tread_damage", lambda: self._node.revisions.damage(request.damage))

@@ -189,7 +189,7 @@ class StandardServices:
             log.fatal(traceback.format_exc())
             code, message, fields = self._result.RESULT_OPERATION_FAILED, f"it failed, see the log: {failure!r}", {}
         if code != self._result.RESULT_OK:
-            log.warning(f"{name} is refused: {message}")
+            log.warning(f"{name} is rejected: {message}")
         return code, message, fields
 
     def _ok(self, **fields: Any) -> Answer:

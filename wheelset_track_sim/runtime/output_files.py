@@ -29,7 +29,7 @@ def file_name(name: str) -> str:
 def require_folder(path: Path) -> None:
     """Raise InputError if the folder in which ``path`` is to be written does not exist."""
     if not path.absolute().parent.is_dir():
-        raise InputError(f"{path} cannot be written: its folder does not exist, make {path.absolute().parent} first")
+        raise InputError(f"{path} cannot be written: its folder does not exist, create {path.absolute().parent} first")
 
 
 def require_new(paths: Iterable[Path], *, overwrite: bool) -> None:

@@ -10,4 +10,4 @@ Progress: TypeAlias = Callable[[str, float], None]
 
 
 def unreported(stage: str, fraction: float) -> None:
-    """Progress that nobody follows."""
+    """Progress that is not shown."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,17 +19,20 @@ class ContactCounts:
     filtered_steps: int = 0
     """Filtered (``contact.ordered.hinge_kernels``)."""
     largest_estimate: float = 0.0
-    """Largest estimate of the error of a filtered force, N."""
+    """Largest estimate of the error of a filtered force, N; NaN if it is not known how contacts were found."""
 
     def __add__(self, other: ContactCounts) -> ContactCounts:
+        estimates = self.largest_estimate, other.largest_estimate
         return ContactCounts(
             self.solved_steps + other.solved_steps,
             self.filtered_steps + other.filtered_steps,
-            max(self.largest_estimate, other.largest_estimate),
+            math.nan if any(map(math.isnan, estimates)) else max(estimates),
         )
 
 
 NO_CONTACTS = ContactCounts()
+UNCOUNTED = ContactCounts(largest_estimate=math.nan)
+"""Of samples that were recorded without counts."""
 
 
 @dataclass(frozen=True, eq=False)

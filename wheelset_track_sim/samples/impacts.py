@@ -22,7 +22,7 @@ from .summary import Summary
 class ImpactSettings:
     """What makes an impact."""
 
-    threshold: float = quantity("N", 1e3, 5e6, "the contact force that makes an impact", default=200e3)
+    threshold: float = quantity("N", 1e3, 5e6, "the contact force above which an impact begins", default=200e3)
     """The default is twice the static load of the shipped scenarios; ``docs/monitoring.md`` has limits in use."""
     separation: float = quantity(
         "m", 0.001, 2.0, "the distance without a force above the threshold that ends an impact", default=0.1
@@ -86,7 +86,7 @@ class ImpactDetector:
         a quiet block costs nothing. Raises ValueError for a decimated block.
         """
         if block.decimation != 1:
-            raise ValueError(f"impacts are found in every step, not in each {block.decimation}th")
+            raise ValueError(f"impacts can be found in all steps only, not in every {block.decimation}th")
         if len(block) == 0:
             return []
         over: list[_Open] = []

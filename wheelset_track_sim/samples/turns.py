@@ -45,7 +45,7 @@ class TurnWatch:
         Raises ValueError for a decimated block.
         """
         if block.decimation != 1:
-            raise ValueError(f"peaks are found in every step, not in each {block.decimation}th")
+            raise ValueError(f"peaks can be found in all steps only, not in every {block.decimation}th")
         found: list[TurnPeaks] = []
         row = 0
         while row < len(block):

@@ -2,7 +2,7 @@
 
 from .contact import ContactOptions
 from .events import Event, Growth
-from .loading import assign, change_of, load_scenario, override, scenario_from, suspect, take_in
+from .loading import assign, change_of, find_beside, load_scenario, override, scenario_from, suspect, take_in
 from .loads import Loads
 from .profiles import Profiles
 from .scenario import WHEELS, Output, Scenario, SetPoint
@@ -19,6 +19,7 @@ __all__ = [
     "SetPoint",
     "assign",
     "change_of",
+    "find_beside",
     "load_scenario",
     "override",
     "scenario_from",

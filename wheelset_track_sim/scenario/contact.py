@@ -13,7 +13,7 @@ class ContactOptions:
     """How wheel and rail press on each other. The default is the linear elastic contact of the paper."""
 
     hardness: float | None = quantity("Pa", 1e9, 2e10, "the hardness of wheel and rail", default=None)
-    """Largest pressure that the softer of wheel and rail bears, Pa; None is an elastic contact without a bound."""
+    """Largest pressure that the softer of wheel and rail withstands, Pa; None is an elastic contact without a bound."""
 
     tolerance: float = quantity(
         "", 1e-6, 0.01, "the largest estimated error of a filtered force, share of the static load", default=0.001

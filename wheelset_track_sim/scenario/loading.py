@@ -53,7 +53,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     if not isinstance(data, dict):
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
     if Path(name_or_path).is_file():
-        _find_beside(data, Path(name_or_path).parent)
+        _find_all_beside(data, Path(name_or_path).parent)
     for change in overrides:
         override(data, change)
     take_in(data)
@@ -113,7 +113,7 @@ def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
     put(data, key, value, where)
 
 
-def _find_beside(data: dict[str, Any], folder: Path) -> None:
+def _find_all_beside(data: dict[str, Any], folder: Path) -> None:
     """Give the files that a scenario names, and that are beside it, by their path from here."""
     places: list[tuple[Any, str]] = [*((data, model) for model in MODELS), (data.get("track"), "base")]
     profiles, irregularities, events = data.get("profiles"), data.get("irregularities"), data.get("events")
@@ -124,9 +124,15 @@ def _find_beside(data: dict[str, Any], folder: Path) -> None:
         items += plain_brought(event)
     places += [(item, "file") for item in items]
     for place, key in places:
-        name = place.get(key) if isinstance(place, dict) else None
-        if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
-            place[key] = str(folder / name)
+        if isinstance(place, dict):
+            find_beside(place, key, folder)
+
+
+def find_beside(place: dict[str, Any], key: str, folder: Path) -> None:
+    """Give the file that ``key`` names by its path from here, if it is in ``folder``."""
+    name = place.get(key)
+    if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
+        place[key] = str(folder / name)
 
 
 def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:

@@ -108,7 +108,9 @@ class Loads:
                     "point before: give times that increase"
                 )
         if self.torque_plan and self.torque != 0:
-            raise InputError(f"loads.torque = {self.torque:g} N m stands beside a torque_plan: give one of them")
+            raise InputError(
+                f"loads.torque = {self.torque:g} N m and loads.torque_plan exclude each other: give one of them"
+            )
         if not self.torque_at:
             raise InputError("loads.torque_at is empty: give where the torque acts, such as gearbox")
 
@@ -164,7 +166,8 @@ class Loads:
         for node in wheelset.stress_nodes:
             if self.with_torque and node.diameter is None:
                 raise InputError(
-                    f"wheelset.stress_nodes.{node.name}.diameter is missing: loads.torque needs the axle's there, m"
+                    f"wheelset.stress_nodes.{node.name}.diameter is missing: loads.torque needs the diameter of "
+                    "the axle there, m"
                 )
             if self.own_weight and not node.own_weight:
                 raise InputError(

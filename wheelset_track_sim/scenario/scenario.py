@@ -51,7 +51,7 @@ class Output:
     def __post_init__(self) -> None:
         twice = [name for name in self.stress_nodes if self.stress_nodes.count(name) > 1]
         if twice:
-            raise InputError(f"output.stress_nodes names {twice[0]} twice: give each once, a topic of its own")
+            raise InputError(f"output.stress_nodes names {twice[0]} twice: give each stress node once")
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Scenario:
     track: Track = parsed(read_track, plain_track, default_factory=partial(load_track, TRACK))
     """In files: the name of a shipped track, the path of a file, or a mapping."""
     vehicle: Vehicle | None = parsed(read_vehicle, plain_vehicle, default=None)
-    """What stands on the primary suspension; None holds its upper ends. In files like ``track``."""
+    """Bogie frame and car body above the primary suspension; None holds its upper ends. In files like ``track``."""
     irregularities: tuple[Irregularity, ...] = parsed(read_irregularities, plain_irregularities, default=())
     """Of treads and rails; where several lie, their heights add up."""
     line_length: float | None = quantity("m", 0.5, LONGEST_LINE, "the length after which rails repeat", default=None)
@@ -147,7 +147,9 @@ class Scenario:
             raise InputError("name is empty: give the scenario a name")
         known = LAG_ZERO[self.dynamics]
         if self.lag_zero not in ("default", *known):
-            raise InputError(f"lag_zero = {self.lag_zero} is not of {self.dynamics} dynamics: give {', '.join(known)}")
+            raise InputError(
+                f"lag_zero = {self.lag_zero} does not apply to {self.dynamics} dynamics: give {', '.join(known)}"
+            )
         self._check_speeds()
         self._check_vehicle()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
@@ -236,8 +238,8 @@ class Scenario:
         """Raise InputError if ``new``, of the same models, cannot follow this one during a run."""
         if new.axle_load != self.axle_load and self.vehicle and self.vehicle.body_mass:
             raise InputError(
-                "axle_load cannot change during a run with vehicle.body_mass, which is what it loads: start a new run, "
-                "or leave body_mass out"
+                "axle_load cannot change during a run with vehicle.body_mass, because the car body is that load: "
+                "start a new run, or leave body_mass out"
             )
         self.loads.check_change(new.loads)
         if new.speed != self.speed and self.dynamics == "paper":
@@ -247,10 +249,10 @@ class Scenario:
         if self.vehicle is None:
             return
         if not isinstance(self.vehicle, Vehicle):
-            raise InputError(f"vehicle = {self.vehicle!r} is a name, or plain data: give load_vehicle(vehicle)")
+            raise InputError(f"vehicle = {self.vehicle!r} is not a Vehicle: give load_vehicle(vehicle)")
         if self.vehicle.body_mass is not None and self.dynamics == "paper":
             raise InputError(
-                "vehicle.body_mass moves more slowly than the Green's functions of paper dynamics last: leave it out, "
+                "vehicle.body_mass moves too slowly for the Green's functions of paper dynamics: leave it out, "
                 "or use causal"
             )
         primary_suspension(self.wheelset)

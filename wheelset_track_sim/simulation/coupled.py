@@ -8,6 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
+from ..contact.law_kernels import ContactLaw
 from ..contact.solutions import contact_filter, solver
 from ..errors import ContactError, DivergenceError
 from ..runtime.arrays import Real
@@ -40,6 +41,23 @@ class Coupled:
         copied._dynamics = self.models.dynamics.copied(self._dynamics)
         copied._ahead = {}
         return copied
+
+    def prepare(self, law: ContactLaw) -> None:
+        """Compile what steps under a law call; the run may go on in another thread meanwhile."""
+        nothing, stress = np.empty((0, 2)), np.empty((0, len(self.models.dynamics.stress_rows)))
+        run(
+            self._dynamics,
+            law,
+            solver(law),
+            contact_filter(law),
+            nothing,
+            0,
+            0,
+            nothing,
+            stress,
+            np.empty((0, 2, 2)),
+            np.zeros(3),
+        )
 
     @property
     def next_step(self) -> int:

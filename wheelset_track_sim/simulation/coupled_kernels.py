@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.law_kernels import ContactLaw, table_number, tabulated_force
+from ..contact.law_kernels import UNTABLED, ContactLaw, table_number, tabulated_force
 from ..dynamics.interface_kernels import advance, displacements, stresses
 from ..runtime.jit import kernel
 
@@ -48,7 +48,7 @@ def run(
             compliance = of_wheel + of_rail
             force = tabulated_force(law, wheel, tread, rail, approach, compliance)
             if solver is not None:  # alone, so that the compiler leaves out what follows
-                nowhere = np.isnan(force) and table_number(law, wheel, tread, rail) < 0
+                nowhere = np.isnan(force) and table_number(law, wheel, tread, rail) == UNTABLED
                 if nowhere and law.largest_estimate > 0.0:
                     force, estimate, _ = contact_filter(
                         law.hinges,

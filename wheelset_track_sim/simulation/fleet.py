@@ -92,7 +92,7 @@ class Fleet:
             raise
 
     def advance(self, steps: int) -> list[list[SampleBlock]]:
-        """The next ``steps`` samples of each wheelset, in several blocks where changes come into force among them.
+        """The next ``steps`` samples of each wheelset, in several blocks where changes take effect among them.
 
         Raises what ``Simulator.advance`` raises, for the first wheelset that fails.
         """

@@ -50,7 +50,7 @@ def _warn_of_steps(scenario: Scenario, speed: float) -> None:
     finer = dividing(track.spacing, math.ceil(track.spacing / (FOLLOWED_STEP * speed) - 1e-9))
     warn(
         f"speed = {speed:g} m/s makes steps of {1e6 * dx / speed:.3g} us, and track.line follows impacts up to "
-        f"{1e6 * FOLLOWED_STEP:.3g} us: they may be 12 % too high, give a step_length of {finer} m"
+        f"{1e6 * FOLLOWED_STEP:.3g} us: peaks may be 12 % too high, give a step_length of {finer} m"
     )
 
 

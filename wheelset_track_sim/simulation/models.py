@@ -12,14 +12,16 @@ import numpy as np
 from ..contact.geometry import ContactGeometry
 from ..contact.law import build_contact_law, law_of_surfaces, rolling_surfaces
 from ..contact.law_kernels import ContactLaw
+from ..contact.solutions import approach_for_force
 from ..dynamics.causal import causal_model
 from ..dynamics.interface import DynamicsModel
 from ..dynamics.line import line_model
 from ..dynamics.paper import paper_model
 from ..dynamics.running_wheelset import running_wheelset, truncated
 from ..irregularities import Irregularity, line_steps
+from ..runtime.arrays import Real
 from ..runtime.cache import digest
-from ..runtime.jit import compiled_meanwhile
+from ..runtime.jit import compile_ahead, compiled_meanwhile
 from ..runtime.progress import Progress
 from ..scenario import Scenario
 from ..scenario.scenario import PAPER_BAND
@@ -34,7 +36,11 @@ from ..wheelset.vehicle import Vehicle
 from .passage import FADE, faded
 
 KERNELS = f"{__package__}.compilation"
-"""Module that compiles the kernels of a run when it is executed."""
+"""Module that compiles a set of kernels when it is executed with its name."""
+
+
+KEPT = 64
+"""Loads and speeds whose preload is kept: for another one it takes 10 ms."""
 
 
 @dataclass(eq=False)
@@ -58,6 +64,7 @@ class Models:
     tolerance: float = 0.0
     """Largest estimated error of a filtered contact force, share of the static load; 0 solves all contacts."""
     _smooth: ContactLaw | None = field(default=None, repr=False)
+    _preloads: dict[tuple[float, float], Real] = field(default_factory=dict, repr=False)
 
     def contact_law(
         self,
@@ -79,12 +86,24 @@ class Models:
             rail_steps=line_steps(irregularities, line_length, self.step_length),
             hardness=self.hardness,
             tables=self.tables,
+            smooth=self._smooth,
             filtered=self.tolerance > 0.0,
             progress=progress,
         )
         if not irregularities:
             self._smooth = law
         return with_own_state(law)
+
+    def preload(self, wheel_load: float, speed: float) -> Real:
+        """Approach (2,) m of wheel and rail without dynamics that loads each contact with ``wheel_load``, N."""
+        under = wheel_load, speed
+        if under not in self._preloads:
+            smooth, displaced = self.contact_law(()), self.dynamics.preload(wheel_load, self.step_length, speed)
+            indented = [approach_for_force(smooth, wheel, 0, 0, wheel_load) for wheel in (0, 1)]
+            while len(self._preloads) >= KEPT:
+                self._preloads.pop(next(iter(self._preloads)))
+            self._preloads[under] = displaced + indented
+        return self._preloads[under]
 
     def fade_law(
         self, before: Scenario, after: Scenario, first: int, speed: float | None = None
@@ -126,13 +145,23 @@ def with_own_state(law: ContactLaw) -> ContactLaw:
     return law._replace(in_contact=np.zeros_like(law.in_contact))
 
 
+def compile_for_changes(scenario: Scenario) -> None:
+    """Begin to compile, beside the run of a scenario, what a change of its irregularities may need."""
+    if scenario.dynamics != "paper":
+        compile_ahead(KERNELS, f"{_steps(scenario)}-changes")
+
+
+def _steps(scenario: Scenario) -> str:
+    return "causal" if scenario.track.line is None else "line"
+
+
 def load_models(
     scenario: Scenario, progress: Progress | None = None, *, tables: bool | Literal["smooth"] = True
 ) -> Models:
     """Models of a scenario, ``tables`` as for ``build_contact_law``."""
     if scenario.dynamics == "paper":
         return _models(scenario, progress, tables)
-    with compiled_meanwhile(KERNELS):
+    with compiled_meanwhile(KERNELS, _steps(scenario)):
         models = _models(scenario, progress, tables)
         models.contact_law((), progress)
     return models

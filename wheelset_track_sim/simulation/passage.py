@@ -1,4 +1,4 @@
-"""When a change of treads and rails can come into force: between two passages of what changes, or by fading.
+"""When a change of treads and rails can take effect: between two passages of what changes, or by fading.
 
 A defect that changes waits until it is out of the contact patch, which takes a turn of the wheel at most. Roughness
 and polygons never leave the patch. There the surface fades from the old shape to the new one while it rolls: at a step
@@ -49,11 +49,14 @@ def passage(before: ContactLaw, after: ContactLaw, earliest: int, tread_origin: 
     """
     if after is before:
         return earliest
-    turn, reach = after.tread.shape[1], max(len(before.x), len(after.x)) // 2
-    rise = differences(before, after, earliest - reach, turn + 2 * reach, tread_origin)
-    blocked = maximum_filter1d((np.abs(rise) > 1e-15).any(axis=(0, 2)), 2 * reach + 1)[reach : reach + turn]
-    clear = np.flatnonzero(~blocked)
-    return earliest + int(clear[0]) if len(clear) else None
+    reach = max(len(before.x), len(after.x)) // 2
+    for steps in (1, after.tread.shape[1]):  # mostly nothing is there
+        rise = differences(before, after, earliest - reach, steps + 2 * reach, tread_origin)
+        blocked = maximum_filter1d((np.abs(rise) > 1e-15).any(axis=(0, 2)), 2 * reach + 1)[reach : reach + steps]
+        clear = np.flatnonzero(~blocked)
+        if len(clear):
+            return earliest + int(clear[0])
+    return None
 
 
 def faded(

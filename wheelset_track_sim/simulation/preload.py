@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 RISE = 1.0
-"""Time from the step at which a load comes into force until it bears whole, s."""
+"""Time from the step at which a load takes effect until it is fully applied, s."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,13 +56,13 @@ class Settled:
     def check(self, under: Settling, models: Models) -> None:
         """Raise InputError unless a simulator of ``models`` can begin from it ``under`` these conditions."""
         if self.coupled.models is not models:
-            raise InputError("the settled state belongs to other models: hand the same models to the simulator")
+            raise InputError("the settled state belongs to other models: give the simulator the same models")
         for name in ("wheel_load", "step", "speed"):
             given, own = getattr(under, name), getattr(self.under, name)
             if given != own:
-                raise InputError(f"the settled state has {name} = {own:g}, the run {given:g}: settle it anew")
+                raise InputError(f"the settled state has {name} = {own:g}, the run {given:g}: settle it again")
         if under.surfaces != self.under.surfaces:
-            raise InputError("the settled state is of a run on other surfaces: settle it anew")
+            raise InputError("the settled state is of a run on other surfaces: settle it again")
 
 
 def settle(models: Models, first: Condition, smooth: ContactLaw, under: Settling) -> Settled:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 from contextlib import suppress
@@ -11,7 +12,7 @@ from typing import cast
 import numpy as np
 
 from ..contact.law_kernels import ContactLaw
-from ..contact.solutions import ContactPatch, approach_for_force
+from ..contact.solutions import ContactPatch
 from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
@@ -26,6 +27,7 @@ from .instants import Contact
 from .laws_ahead import LawsAhead
 from .limits import warn_of_limits
 from .models import Models, load_models
+from .passage import passage
 from .preload import Loading
 from .settling import SETTLING, Settled, Settling, settle
 from .speed import Course, Stretch, course_of
@@ -93,14 +95,9 @@ class Simulator:
         self._smooth = self._models.contact_law(())
         law = self._models.contact_law(scenario.irregularities, progress, scenario.line_length)
         begun = scenario.settles_on_surfaces
-        revision, preload, origin = (
-            Revision(0, self._start.step),
-            self._preload_for(scenario),
-            self._models.tread_origin,
-        )
-        first = Condition(
-            revision, scenario, law if begun else self._smooth, preload, self._start.step, self._models.tread_origin
-        )
+        revision, origin = Revision(0, self._start.step), self._models.tread_origin
+        preload = self._models.preload(scenario.wheel_load, scenario.speed)
+        first = Condition(revision, scenario, law if begun else self._smooth, preload, self._start.step, origin)
         self._coupled: Coupled | None = None
         self._loading = Loading(preload)
         self._preload = np.empty((0, 2))
@@ -143,19 +140,32 @@ class Simulator:
         """
         if self._coupled is not None:
             raise ValueError("the run has begun: settle a new simulator")
-        scenario, start = self._first.scenario, self._start
-        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
-        under = Settling(scenario.wheel_load, start.step, start.speed, on)
         if settled is None:
-            settled = settle(self._models, self._first, self._smooth, under)
-        settled.check(under, self._models)
+            settled = settle(self._models, self._first, self._smooth, self.settling)
+        settled.check(self.settling, self._models)
         self._coupled = settled.coupled.copy()
         self._first.law.in_contact[...] = settled.in_contact
         return settled
 
     @property
+    def settling(self) -> Settling:
+        """What the run settles under: simulators on the same models share a settled state if this is equal."""
+        scenario, start = self._first.scenario, self._start
+        on = (scenario.irregularities, scenario.line_length) if scenario.settles_on_surfaces else ((), None)
+        return Settling(scenario.wheel_load, start.step, start.speed, on)
+
+    def branch(self) -> Simulator:
+        """The same run, settled, which goes on by itself: what is applied to one of both does not change the other."""
+        if self._coupled is None:
+            self.settle()
+        branched = copy.copy(self)
+        branched._coupled = cast("Coupled", self._coupled).copy()
+        branched._changes = self._changes.copy()
+        return branched
+
+    @property
     def scenario(self) -> Scenario:
-        """The scenario as last accepted; it may come into force a little later."""
+        """The scenario of the last accepted change, which may take effect a little later."""
         return self._changes.newest.scenario
 
     @property
@@ -163,6 +173,11 @@ class Simulator:
         """The scenario as last accepted, and its revision."""
         newest = self._changes.newest
         return newest.scenario, newest.revision
+
+    @property
+    def changed_from(self) -> int:
+        """First step of its surfaces: that of its revision, or the end of the fade to them."""
+        return self._changes.newest.from_step
 
     @property
     def in_force(self) -> Scenario:
@@ -181,7 +196,7 @@ class Simulator:
 
     @property
     def history(self) -> tuple[Applied, ...]:
-        """What the run started under, and each change that has come into force since: the latest ``REMEMBERED``."""
+        """The start of the run and each change that has taken effect since: the latest ``REMEMBERED``."""
         return self._history
 
     @property
@@ -256,11 +271,11 @@ class Simulator:
 
         The contact of changed treads is worked out first, which takes a while; what ``progress`` raises breaks it off.
 
-        It comes into force between two blocks, at the first step from ``not_before`` on at which no irregularity that
+        It takes effect between two blocks, at the first step from ``not_before`` on at which no irregularity that
         changes is in the contact patch. If there is none within a turn of the wheel, the surfaces fade (``passage``).
         From that step on a changed load rises (``preload``), and the ramps to a changed ``speed`` and torque begin,
         which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged value, too. With
-        ``exactly`` it does not wait for the contact patch, but comes into force at ``not_before``, where it has done so
+        ``exactly`` it does not wait for the contact patch, but takes effect at ``not_before``, where it has done so
         before.
 
         Events of a run are changes, too: ``base`` is the scenario from which this change was made, and OvertakenError
@@ -307,14 +322,16 @@ class Simulator:
             for coming in rehearsed(scenario, self._course):
                 self._superposed(coming)
         law = newest.law if same else self._laws.law(shape, line, progress)
+        if not same:
+            self._prepare(newest.law, law)
         fade = partial(self._models.fade_law, current, scenario)
-        preload = self._preload_for(scenario)
+        preload = self._models.preload(scenario.wheel_load, scenario.speed)
         return self._changes.add(
             scenario, law, preload, fade, base=newest, event=event, due=due, not_before=not_before, exactly=exactly
         )
 
     def advance(self, steps: int) -> SampleBlock:
-        """The next ``steps`` samples, or fewer where a change comes into force or the speed changes behind them.
+        """Simulate the next ``steps`` samples, or fewer if a change takes effect or the speed changes after them.
 
         A simulator that is not settled yet is settled first. Raises ContactError with step and inputs if a contact
         problem has no solution; samples solved before that step are returned first.
@@ -368,11 +385,11 @@ class Simulator:
             return np.zeros((nodes, len(COMPONENTS)))
         return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
 
-    def _preload_for(self, scenario: Scenario) -> Real:
-        smooth = self._models.contact_law(())
-        load = scenario.wheel_load
-        preload: Real = self._models.dynamics.preload(load, scenario.step_length, scenario.speed)
-        return preload + [approach_for_force(smooth, wheel, 0, 0, load) for wheel in (0, 1)]
+    def _prepare(self, before: ContactLaw, law: ContactLaw) -> None:
+        """Compile what steps under a law, or a fade to it, call: the run would wait for the compiler."""
+        solves = len(law.nested[0].element) > 0
+        if self._coupled and (solves or passage(before, law, self.next_step, self._models.tread_origin) is None):
+            self._coupled.prepare(law)
 
     def _superposed(self, scenario: Scenario) -> Superposition | None:
         """What the loads of a scenario superpose; raises InputError."""

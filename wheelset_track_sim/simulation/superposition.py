@@ -102,7 +102,7 @@ def superposition(
 def followed(
     before: Superposition | None, after: Superposition | None, time: float, loads: Loads
 ) -> Superposition | None:
-    """What is superposed from ``time`` on, s, when ``loads`` come into force: their torque is approached.
+    """What is superposed from ``time`` on, s, when ``loads`` take effect: their torque is approached.
 
     ``before`` is what has been superposed, ``after`` what the new loads superpose alone; a plan that stays goes on.
     """

@@ -97,7 +97,7 @@ def _values(data: Any, si: str, where: str) -> list[Any]:
         size = _size(data.get("unit", si), si, where)
         data = data.get("values") if "values" in data else _range(data, si, size, where)
     if not isinstance(data, list) or not data:
-        raise InputError(f"{where} = {data!r} is no axis: give {FORMS}")
+        raise InputError(f"{where} = {data!r} is not an axis: give {FORMS}")
     found = [_in_si(value, si, size, f"{where}.{index}") for index, value in enumerate(data)]
     # Twelve digits: 0.05 mm times 3 is 0.00015 m, and nothing behind it.
     return [float(f"{value:.12g}") if _is_number(value) else value for value in found]
@@ -119,7 +119,9 @@ def _range(data: Mapping[str, Any], si: str, size: float, where: str) -> list[fl
     start, stop, step = (value / size for value in given.values())
     intervals = (stop - start) / step if step else math.inf
     if not 0 <= intervals < MOST_POINTS:
-        raise InputError(f"{where} from {start:g} to {stop:g} by {step:g} is no range: give up to {MOST_POINTS} values")
+        raise InputError(
+            f"{where} from {start:g} to {stop:g} by {step:g} is not a valid range: give up to {MOST_POINTS} values"
+        )
     if not _close(intervals, round(intervals)):
         raise InputError(f"{where}.stop = {stop:g} is not a whole number of steps of {step:g} from {start:g}")
     return [start + index * step for index in range(round(intervals) + 1)]

@@ -66,7 +66,7 @@ class Lines:
         if self.x not in axes:
             raise InputError(unknown("axis of the study", f"{where}.x = {self.x!r}", self.x, [*axes]))
         if not self.panels:
-            raise InputError(f"{where}.panels is empty: give at least one with its outputs y")
+            raise InputError(f"{where}.panels is empty: give at least one panel with its outputs y")
         for index, panel in enumerate(self.panels):
             place = f"{where}.panels.{index}"
             for name in panel.y:

@@ -38,7 +38,9 @@ class Resources:
         if self.workers is not None and not 1 <= self.workers <= 1024:
             raise InputError(f"--workers {self.workers} is out of range: give a number from 1 to 1024")
         if self.workers is not None and self.scheduler is not None:
-            raise InputError("--workers is for this machine: a --scheduler has workers of its own")
+            raise InputError(
+                "--workers applies to this machine, and a --scheduler has its own workers: give one of them"
+            )
 
 
 def run_study(

@@ -37,7 +37,7 @@ class Job:
     before: float
     """Track from which results are kept, before the place where angle 0 of the treads meets the rail, m."""
     after: float
-    """The same behind that place, m."""
+    """The same after that place, m."""
     outputs: tuple[str, ...]
     histories: tuple[str, ...] = ()
     pressures: tuple[str, ...] = ()
@@ -92,9 +92,10 @@ def evaluate(job: Job, made_for: str) -> Result:
     """
     if made_for != program():
         raise WheelsetTrackError(
-            f"this worker has another program ({__version__}): install the same version everywhere"
+            f"this worker runs another version of the program ({__version__}): install the same version everywhere"
         )
     simulator = Simulator(job.scenario, models=models(job.scenario))
+    _kept.settled = {simulator.settling: simulator.settle(_kept.settled.get(simulator.settling))}
     while simulator.next_step < job.first_step:
         simulator.advance(job.first_step - simulator.next_step)
     summaries: list[Summary] = []
@@ -119,11 +120,13 @@ def evaluate(job: Job, made_for: str) -> Result:
 def models(scenario: Scenario) -> Models:
     """Models of a scenario, kept for the thread's next run, which mostly differs in damage or speed alone.
 
+    So is the settled state, from which the next run begins if it is under the same conditions: the bits are the same.
+
     Only the smooth tread has contact tables: a defect that passes once is solved faster than tabulated.
     """
     common = dataclasses.replace(scenario, **ANY).digest
     if getattr(_kept, "common", None) != common:
-        _kept.models, _kept.common = load_models(scenario, tables="smooth"), common
+        _kept.models, _kept.common, _kept.settled = load_models(scenario, tables="smooth"), common, {}
     kept: Models = _kept.models
     return kept
 

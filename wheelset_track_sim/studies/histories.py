@@ -73,13 +73,13 @@ class Histories:
     before: float | None = None
     """Track that is shown before the reference position, m; all that is kept if None."""
     after: float | None = None
-    """The same behind it, m."""
+    """The same after it, m."""
 
     def check(self, study: Study, where: str) -> None:
         """Raise InputError for a history or a column that the study does not keep."""
         nodes = study.base()["output"]["stress_nodes"]
         if not self.panels:
-            raise InputError(f"{where}.panels is empty: give at least one with what it is of")
+            raise InputError(f"{where}.panels is empty: give at least one panel, with of: the history that it shows")
         for index, panel in enumerate(self.panels):
             history = CHANNELS[panel.of].history
             if history not in study.histories:
@@ -90,7 +90,9 @@ class Histories:
                     place = f"{where}.panels.{index}.less = {panel.less!r}"
                     raise InputError(unknown("run", place, panel.less, labels))
                 if len({run.scenario.step_length for run in runs}) > 1:
-                    raise InputError(f"{where}.panels.{index}.less needs runs of one step_length: leave one of them")
+                    raise InputError(
+                        f"{where}.panels.{index}.less needs runs with the same step_length: vary only one of the two"
+                    )
             known = nodes if panel.of == "principal" else WHEELS
             if not panel.columns:
                 raise InputError(f"{where}.panels.{index}.columns is empty: give some of {', '.join(known)}")

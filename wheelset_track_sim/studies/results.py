@@ -10,7 +10,6 @@ from functools import cached_property
 
 from ..report.published import published_case
 from ..scenario import Scenario
-from ..version import __version__
 from .axes import Axis, Point
 from .evaluate import Result
 from .outputs import value_of
@@ -52,15 +51,18 @@ class Results:
 
     @property
     def made_by(self) -> str:
-        """What made the results, and over which track: the small print of every figure."""
+        """What made the results, and over which stretch of track: the small print of every figure."""
         window = self.study.window
-        load = {run.scenario.axle_load / 9810 for run in self.runs}
-        speed = {3.6 * run.scenario.speed for run in self.runs}
-        facts = [f"{self.dynamics[0].upper()}{self.dynamics[1:]}"]
-        facts += [f"axle load {min(load):.4g} t"] if len(load) == 1 else []
-        facts += [f"{min(speed):.4g} km/h"] if len(speed) == 1 else []
-        around = f"{window.before:g} m before to {window.after:g} m behind angle 0 of the treads"
-        return f"{', '.join(facts)}; {around}. wheelset-track-sim {__version__}"
+        scenarios = [run.scenario for run in self.runs]
+        said = (
+            {f"Scenario {each.name}" for each in scenarios},
+            {f"{each.wheelset.name} on {each.track.name}" for each in scenarios},
+            {self.dynamics},
+            {f"axle load {each.axle_load / 9810:.4g} t" for each in scenarios},
+            {f"{3.6 * each.speed:.4g} km/h" for each in scenarios},
+        )
+        facts = ", ".join(fact for same in said if len(same) == 1 for fact in same)
+        return f"{facts}; {window.before:g} m before to {window.after:g} m after angle 0 of the treads"
 
     def value(self, index: int, output: str) -> float:
         """Output of a run, SI; NaN if the run failed."""

@@ -1,4 +1,4 @@
-"""Results on disk, one file a finished run: a study that was stopped goes on where it was."""
+"""Results on disk, one file a finished run: a study that was stopped continues where it was."""
 
 from __future__ import annotations
 
@@ -60,7 +60,8 @@ class Store:
             if temporary is not None:
                 temporary.unlink(missing_ok=True)
             raise WheelsetTrackError(
-                f"result {self._path(key)} cannot be written ({reason.strerror}): what is finished is kept, make room"
+                f"result {self._path(key)} cannot be written ({reason.strerror}): finished results are kept, free "
+                "some disk space"
             ) from None
 
     def tidy(self) -> None:

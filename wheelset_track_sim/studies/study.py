@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
-from ..scenario import Scenario, assign, change_of, load_scenario, scenario_from, suspect, take_in
+from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
@@ -40,7 +40,7 @@ class EvaluationWindow:
     """
 
     before: float = quantity("m", 0.0, 100.0, "the evaluated track before the reference position", default=0.9)
-    after: float = quantity("m", 0.0, 10000.0, "the evaluated track behind the reference position", default=0.9)
+    after: float = quantity("m", 0.0, 10000.0, "the evaluated track after the reference position", default=0.9)
 
     def __post_init__(self) -> None:
         check(self)
@@ -67,7 +67,7 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """A study: a base scenario, what is varied, what is kept of each run, and what is drawn.
+    """A study: a base scenario, axes to vary, results to keep of each run, and figures to draw.
 
     ``docs/studies.md`` describes the keys. ``run_study`` runs it.
 
@@ -115,7 +115,7 @@ class Study:
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
         if not (self.has_runs or self.figures):
-            raise InputError("outputs is missing: name what is kept, such as wheels.wheel_1.max_force")
+            raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
         axes = self.axes  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
@@ -145,10 +145,14 @@ class Study:
         varied = {key for axis in self.axes for key in axis.keys}
         for change in changes:
             if change.partition("=")[0] in varied:
-                raise InputError(f"--set {change}: the study varies {change.partition('=')[0]} itself")
+                raise InputError(
+                    f"--set {change}: the study varies {change.partition('=')[0]} itself; edit its vary, or leave "
+                    "the option out"
+                )
             key, value = change_of(change)
             suspect(key, value, f"--set {key}")
             assign(data, key, value, "--set ")
+        take_in(data)
         return data
 
     def runs(self, changes: Sequence[str] = ()) -> tuple[StudyRun, ...]:
@@ -191,7 +195,7 @@ def load_study(name_or_path: str | Path) -> Study:
     Parameters
     ----------
     name_or_path
-        Name of a shipped study, such as ``speed``, or path of a YAML file.
+        Name of a shipped study, such as ``speed``, or path of a YAML file. Its ``scenario`` may be a file beside it.
 
     Raises
     ------
@@ -204,7 +208,10 @@ def load_study(name_or_path: str | Path) -> Study:
     ['size', 'irregularities.0.h']
     """
     try:
-        return read(Study, shipped.load_yaml("studies", name_or_path), "")
+        data = shipped.load_yaml("studies", name_or_path)
+        if isinstance(data, dict) and Path(name_or_path).is_file():
+            find_beside(data, "scenario", Path(name_or_path).parent)
+        return read(Study, data, "")
     except InputError as refusal:
         if str(name_or_path) in str(refusal):
             raise

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
+from ..report.figures import MADE_WITH
 from ..report.files import PAPER, STYLE
 from . import drawing
 from .tables import ResultTable
@@ -40,7 +41,7 @@ def write_summary(
 
 
 def _markdown(title: str, description: str, made_by: str, tables: Sequence[ResultTable], files: Sequence[Path]) -> str:
-    parts = [f"# {title}", description.strip(), f"{made_by}." if made_by else ""]
+    parts = [f"# {title}", description.strip(), f"{made_by}. {MADE_WITH}."]
     for table in tables:
         parts.append(f"## {table.title}")
         lines = [table.headings, ("---",) * len(table.headings), *table.rows]
@@ -73,7 +74,7 @@ def _html(title: str, description: str, made_by: str, tables: Sequence[ResultTab
 <body>
 <h1>{escape(title)}</h1>
 <p>{escape(description)}</p>
-<p class="quiet">{escape(made_by)}</p>
+<p class="quiet">{escape(made_by)}. {MADE_WITH}.</p>
 {"".join(sections)}
 </body>
 </html>

@@ -81,7 +81,7 @@ def tables(results: Results) -> Iterator[ResultTable]:
 
 
 def number(value: float) -> str:
-    """A value in the unit of its column: four digits, at most two behind the point."""
+    """A value in the unit of its column: four digits, at most two after the point."""
     if math.isnan(value):
         return "–"
     return f"{value:.2f}" if abs(value) < 10 else f"{value:.1f}"

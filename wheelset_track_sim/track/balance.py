@@ -119,8 +119,8 @@ class HalfTrack:
         poles, shapes = np.linalg.eig(self.rate + speed * self.rate_of_speed)
         if poles.real.max() >= 0.0:
             raise DivergenceError(
-                f"the reduced track grows by {poles.real.max():.3g} 1/s at speed = {speed:g} m/s: give another speed, "
-                "or pads that are softer or more damped"
+                f"the reduced track is unstable (growth {poles.real.max():.3g} 1/s) at speed = {speed:g} m/s: give "
+                "another speed, or pads that are softer or more damped"
             )
         kept = poles.imag >= 0.0  # of a conjugate pair one, with twice the output
         poles, shapes = poles[kept].astype(np.complex128), shapes[:, kept]

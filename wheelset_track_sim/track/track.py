@@ -168,9 +168,9 @@ class Track:
         """Raise InputError for what a line of slab track says about ballast."""
         for index, entry in enumerate(line.supports):
             if entry.gap is not None or entry.ballast_stiffness != 1.0 or entry.ballast_damping != 1.0:
-                raise InputError(f"line.supports.{index} is about ballast, which slab track has none of: leave it out")
+                raise InputError(f"line.supports.{index} changes the ballast, and slab track has none: leave it out")
         if line.scatter.ballast_stiffness or line.scatter.ballast_damping:
-            raise InputError("line.scatter is about ballast, which slab track has none of: leave that out")
+            raise InputError("line.scatter changes the ballast, and slab track has none: leave it out")
 
 
 def load_track(source: str | Path | Mapping[str, Any]) -> Track:

@@ -152,9 +152,7 @@ def resimulate(
                     push(simulated, summary)
                 done += len(simulated)
     if comparison is None:
-        raise RecordingError(
-            f"{bag.path} does not say what its samples were simulated from: record it with its state topic"
-        )
+        raise RecordingError(f"{bag.path} does not describe the run of its samples: record it with its state topic")
     recorded_by = bag.info.versions.get("wheelset_track_sim", "")
     old = recorded_by if recorded_by.startswith(OTHER_DIGESTS) else ""
     return Resimulation(
@@ -181,7 +179,7 @@ def resimulate(
 class _Rerun:
     """A simulator to which each recorded change is applied in time.
 
-    A change comes into force at its recorded step. If the surfaces before or after it are not those of the recording,
+    A change takes effect at its recorded step. If the surfaces before or after it are not those of the recording,
     it waits from there on until it is out of the contact patch.
     """
 

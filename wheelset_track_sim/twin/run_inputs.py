@@ -22,7 +22,7 @@ FIXED = ("name", "step_length", "events")
 
 
 class RecordedChange(NamedTuple):
-    """A change that had come into force; the first of a run is its start."""
+    """A change that had taken effect; the first of a run is its start."""
 
     revision: int
     step: int
@@ -51,7 +51,7 @@ def run_inputs(bag: Bag) -> RunInputs:
     if inputs[0].revision > 0:
         if not states:
             raise RecordingError(
-                f"{bag.path} says neither how its run began nor how it went on: record it with its state"
+                f"{bag.path} describes neither the start of its run nor its changes: record it with its state topic"
             )
         first = states[0]
         inputs = tuple(found for found in inputs if found.revision >= first.revision)

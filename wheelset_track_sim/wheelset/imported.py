@@ -109,7 +109,7 @@ class ImportedWheelset:
         if not found:
             raise InputError("modes.lift is empty: give at least one mode")
         if bool(modes.poles) == bool(modes.frequencies and modes.damping_ratios):
-            raise InputError("modes needs one of poles and frequencies with damping_ratios: give one of them")
+            raise InputError("modes needs either poles, or frequencies with damping_ratios: give one of the two")
         _shape("contacts", self.contacts, 2)
         for name, columns in (("lift", 2), ("suspension", 2), ("poles", 2)):
             _shape(f"modes.{name}", getattr(modes, name), found, columns, optional=name != "lift")
@@ -204,7 +204,9 @@ class ImportedWheelset:
         diameters = []
         for node in self.stress_nodes:
             if node.diameter is None:
-                raise InputError(f"stress_nodes.{node.name}.diameter is missing: torque needs the axle's there, m")
+                raise InputError(
+                    f"stress_nodes.{node.name}.diameter is missing: torque needs the diameter of the axle there, m"
+                )
             diameters.append(node.diameter)
         return nominal_torsion(self._positions[:, 1], diameters, self.places, moments)
 

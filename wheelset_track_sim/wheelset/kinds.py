@@ -87,7 +87,7 @@ def plain_wheelset(wheelset: AnyWheelset) -> Any:
 def with_geometry(wheelset: AnyWheelset) -> Wheelset:
     """Return the wheelset; raises InputError for an imported one, which has no geometry."""
     if isinstance(wheelset, ImportedWheelset):
-        raise InputError(f"wheelset {wheelset.name} is imported and has no geometry: give one that has")
+        raise InputError(f"wheelset {wheelset.name} is imported and has no geometry: give a wheelset that has one")
     return wheelset
 
 

@@ -129,7 +129,7 @@ class Axle(Checked):
             if start <= low and high <= end:
                 return section
         raise InputError(
-            f"{what} from y = {low:g} to {high:g} m does not stand on the cylinder of one axle section: "
+            f"{what} from y = {low:g} to {high:g} m does not sit on the cylinder of one axle section: "
             "move it, or the sections or their fillets"
         )
 
@@ -209,7 +209,7 @@ class BrakeDiscs(Checked):
 
 @dataclass(frozen=True)
 class Gearbox(Checked):
-    """Hollow cylinder on the axle that stands for the part of the gearbox borne by the axle."""
+    """Hollow cylinder on the axle that represents the part of the gearbox carried by the axle."""
 
     y: float = quantity("m", -1.0, 1.0, "the y of the gearbox's middle")
     length: float = quantity("m", 0.02, 1.0, "the length of the gearbox")

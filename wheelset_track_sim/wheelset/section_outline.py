@@ -21,7 +21,7 @@ class SectionOutline:
     """By part (axle, gearbox, wheel_1, wheel_2, equipment by name) outlines (points, 2) of y and r, m, the first point
     repeated at the end. A wheel has several: hub, web, rim, flange, brake discs. Empty for an imported wheelset."""
     masses: dict[str, Real]
-    """Point masses: first and last y, and the radius at which they stand, (3,) m."""
+    """Point masses: first and last y, and their radius, (3,) m."""
     contacts: Real
     """(2, 2): y and r of the nominal contact points."""
     node_names: tuple[str, ...]

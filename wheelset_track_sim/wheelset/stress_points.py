@@ -57,7 +57,7 @@ class StressPoints:
         return sp.coo_array(sp.block_diag([around_axle(n, angle) for angle in self.angles]))
 
     def picks(self, static: Real) -> list[Pick]:
-        """Weights of each stress node; ``static`` (C, 6) are the stresses that tell a fillet's highest place."""
+        """Weights of each stress node; ``static`` (C, 6) shows the most stressed place of a fillet."""
         highest = principal.maximum_principal(static)
         found = []
         for rows, weights, tops in self.wanted:

@@ -53,7 +53,7 @@ LONGEST_SETTLING = 10.0
 
 @dataclass(frozen=True)
 class Vehicle:
-    """What stands on one side of one wheelset, above its primary suspension. SI units."""
+    """Bogie frame and car body above the primary suspension, on one side of one wheelset. SI units."""
 
     bogie_mass: float = quantity("kg", 10.0, 1e6, "the mass of the bogie frame on this side")
     secondary_stiffness: float = quantity("N/m", 1e4, 1e9, "the vertical stiffness of the secondary suspension")

@@ -22,11 +22,11 @@ LARGEST_SHIFT = 0.035
 
 @dataclass(frozen=True)
 class OnAxle(Checked):
-    """What stands on a cylinder of the axle from ``y - length / 2`` to ``y + length / 2``."""
+    """Equipment on a cylinder of the axle from ``y - length / 2`` to ``y + length / 2``."""
 
     name: str
     y: float = quantity("m", -2.0, 2.0, "the y of its middle")
-    length: float = quantity("m", 0.01, 1.0, "the length of axle on which it stands")
+    length: float = quantity("m", 0.01, 1.0, "the length of axle that it occupies")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -60,12 +60,12 @@ Equipment = Ring | PointMass
 
 
 def clear_of_each_other(parts: list[tuple[str, float, float]]) -> None:
-    """Raise InputError unless parts (what, first y, last y) stand beside each other; touching is fine."""
+    """Raise InputError unless parts (what, first y, last y) are beside each other; touching is fine."""
     ordered = sorted(parts, key=lambda part: part[1])
     for (before, _, end), (after, start, _) in pairwise(ordered):
         if start < end - 1e-9:
             raise InputError(
-                f"{after} begins at y = {start:g} m, where {before} stands, which ends at {end:g} m: move one of them"
+                f"{after} begins at y = {start:g} m, inside {before}, which ends at {end:g} m: move one of them"
             )
 
 

@@ -24,7 +24,11 @@ def law():
 def with_hinges(law, geometry):
     nested = [nested_contacts(geometry, wheel, law.x, law.y[wheel] - geometry.touch(wheel), law.separation[wheel])
               for wheel in (0, 1)]  # fmt: skip
-    hinges = hinges_of(nested, law.separation.shape[2], geometry.contact_modulus, DX, ELEMENT_WIDTH)
+    nx, ny = law.separation.shape[1:]
+    fall = np.stack(
+        [geometry.separation(wheel, DX * np.arange(-nx, nx + 1), geometry.touch(wheel)) for wheel in (0, 1)]
+    )
+    hinges = hinges_of(nested, fall, ny, geometry.contact_modulus, DX, ELEMENT_WIDTH)
     return law._replace(nested=tuple(nested), hinges=hinges)
 
 
@@ -98,6 +102,21 @@ def test_the_force_is_that_of_the_approach_which_it_leaves(law):
         force, _, status = filtered(surface, step, 1.2e-4, compliance)
         assert status == FILTERED
         assert filtered(surface, step, 1.2e-4 - compliance * force)[0] == pytest.approx(force, rel=1e-12)
+
+
+@pytest.mark.parametrize("elements", [-4, 1, 3])
+def test_on_a_slope_the_contact_is_that_of_smooth_surfaces_further_ahead(law, elements):
+    """Of a whole number of elements the slope leaves nothing; half an element more is within 0.004 %."""
+    nx, x = len(law.x), DX * (np.arange(N_C) - 1000)
+    radius = ContactGeometry().wheel_radius
+    at_half = []
+    for moved, accuracy in ((elements, 0.02), (elements + 0.5, 4.0)):
+        surface = with_tread(law, np.where(abs(x) < nx * DX, moved * DX / radius * x, 0.0)[:, None])
+        force, estimate, status = filtered(surface, 1000, 1e-4, 1e-10)
+        assert status == FILTERED
+        assert force == pytest.approx(solved(surface, 1000, 1e-4, 1e-10), abs=accuracy)
+        at_half.append(estimate)
+    assert at_half[0] < 1.0 < at_half[1] < 50.0
 
 
 def test_positions_may_be_of_any_size(law):

@@ -103,7 +103,7 @@ def test_a_picture_overwrites_no_scenario(tmp_path, capsys):
     mine = tmp_path / "mine.yaml"
     mine.write_text("name: mine\nspeed: 30.0\n", encoding="utf-8")
     assert main(["show", str(mine), "--out", str(mine)]) == 2
-    assert "mine.yaml is no picture: give a name that ends in .png" in capsys.readouterr().err
+    assert "mine.yaml is not a picture: give a name that ends in .png" in capsys.readouterr().err
     assert mine.read_text(encoding="utf-8") == "name: mine\nspeed: 30.0\n"
 
 

@@ -73,7 +73,9 @@ def test_tension_that_is_positive_is_recognised_and_given(folder: Path, static: 
 def test_a_missing_static_load_is_recognised_and_given(folder: Path, static: float, seed: int, left: float) -> None:
     force = load(static, seed)
     path = written(folder, (force - force.mean() + left * static) / 1e3, force / 1e3)
-    with pytest.raises(InputError, match=r"wheel_1 is .* its static load is missing, as of an AC-coupled amplifier"):
+    with pytest.raises(
+        InputError, match=r"wheel_1 is .* its static load is missing, as behind an AC-coupled amplifier"
+    ):
         read_measurement(path)
     offset = force.mean() - left * static
     found = read_measurement(path, Reading(offsets={"wheel_1": offset}))
@@ -102,11 +104,15 @@ def test_a_load_of_no_wheel_needs_its_unit(folder: Path, static: float, seed: in
     """A unit that is given is used, with a warning: a model wheel on a rig may have any load."""
     path = written(folder, load(static, seed), load(static, seed), "N")
     mean = float(load(static, seed).mean())
-    told = nullcontext() if 5e3 <= mean <= 300e3 else pytest.warns(InputWarning, match="the unit is the one of --unit")
+    told = (
+        nullcontext()
+        if 5e3 <= mean <= 300e3
+        else pytest.warns(InputWarning, match="check the unit that you gave by --unit")
+    )
     with told:
         read_measurement(path, Reading(units=("N",)))
     if not 5e3 <= mean <= 300e3:
-        with pytest.raises(InputError, match=r"and wheels bear 5 to 300 kN: (it looks as if|give its unit, --unit)"):
+        with pytest.raises(InputError, match=r"and wheels carry 5 to 300 kN: (it looks as if|give its unit, --unit)"):
             read_measurement(path)
 
 
@@ -117,7 +123,7 @@ def test_a_rail_that_pulls_is_warned_of(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scale", "words"), [(1e6, "is up to .* MPa, more than steel bears"), (1e-6, "is up to 65 Pa, and axles")]
+    ("scale", "words"), [(1e6, "is up to .* MPa, more than steel withstands"), (1e-6, "is up to 65 Pa, and axles")]
 )
 def test_stresses_of_no_axle_are_named(folder: Path, scale: float, words: str) -> None:
     path = folder / "stress.csv"

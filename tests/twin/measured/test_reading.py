@@ -52,7 +52,7 @@ def test_every_form_of_table_is_the_same_measurement(
         (["time [m],wheel_1 [kN]", "0,1"], r"the first column is 'time \[m\]'"),
         (["position [s],wheel_1 [kN]", "0,1"], r"the first column is 'position \[s\]'"),
         (["time [s],wheel_1", "0,1"], r"'wheel_1' has no unit: write wheel_1 \[N\] above it"),
-        (["time [s],wheel_1 [MPa]", "0,1"], r"unit of 'wheel_1 \[MPa\]' is no force: give N, kN"),
+        (["time [s],wheel_1 [MPa]", "0,1"], r"unit of 'wheel_1 \[MPa\]' is not a unit of force: give N, kN"),
         (["time [s],A1 [kN]", "0,1"], r"no signal that can be used in time \[s\], A1 \[kN\]: .*give Pa, kPa, MPa"),
         (["time [s],A1 [Pa],A1 [MPa]", "0,1,1"], "A1 comes twice"),
         ([HEAD, *ROWS[:3], "0.003,1"], "line 5 has 2 cells: give 3"),
@@ -87,7 +87,7 @@ def test_columns_and_units_are_given_where_headings_have_others(tmp_path: Path) 
         )
     with pytest.raises(InputError, match="--unit 'lb' is not known"):
         Reading(units=("lb",))
-    with pytest.raises(InputError, match="--offset is of wheel_1 or wheel_2, not of 'A1'"):
+    with pytest.raises(InputError, match="--offset applies to wheel_1 or wheel_2, not to 'A1'"):
         Reading(offsets={"A1": 1.0})
 
 

@@ -81,7 +81,7 @@ def test_rounded_stamps_of_even_samples_move_none(rate: float, digits: int, star
     [
         (STEPS, np.where(STEPS == 7, np.nan, 1.0), r"wheel_1 of sample 7 is nan: give finite numbers"),
         (np.where(STEPS == 9, np.inf, STEPS), STEPS, "time of sample 9 is inf"),
-        (np.where(STEPS == 5, 3.0, STEPS), STEPS, "time of sample 5 is not behind that before it"),
+        (np.where(STEPS == 5, 3.0, STEPS), STEPS, "time of sample 5 is not greater than the one before it"),
     ],
 )
 def test_records_of_other_programs_are_checked_too(at: np.ndarray, force: np.ndarray, reason: str) -> None:
@@ -91,5 +91,5 @@ def test_records_of_other_programs_are_checked_too(at: np.ndarray, force: np.nda
 
 def test_gaps_are_refused() -> None:
     at = np.delete(np.arange(400) * 1e-3, slice(100, 110))
-    with pytest.raises(InputError, match=r"gap of 0.011 behind 0.099, 11.0 steps wide"):
+    with pytest.raises(InputError, match=r"gap of 0.011 after 0.099, 11.0 steps wide"):
         evenly(Measurement(Path("a"), "time", at, {"wheel_1": at}))

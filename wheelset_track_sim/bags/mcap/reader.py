@@ -402,7 +402,7 @@ class McapReader:
         return Chunk(place, end, data)
 
     def _resumed(self, place: int, limit: int) -> int:
-        """Where reading goes on behind a damaged record: at its end if a whole one follows, else at the next chunk."""
+        """Where reading continues after a damaged record: at its end if a whole one follows, else at the next chunk."""
         if place + RECORD <= limit:
             _, length = START.unpack(self._read(place, RECORD))
             end = place + RECORD + int(length)

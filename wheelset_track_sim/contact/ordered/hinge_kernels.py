@@ -48,6 +48,10 @@ pressure for waves from 5 to 20 mm. The largest pressure is 3/2 F / (n s) (Hertz
 LEAST_PRESSURE of it. Towards the edge the hinges tell of dips that are not narrow, and narrow ones must not be deeper
 than DEEPEST of the approach.
 
+Slope. On a slope s, a wheel of radius R touches s R ahead: with a long wave, by whole elements. Its contact is that of
+the smooth surfaces there, and what is left of the slope is below half an element, 1.2e-3. So the heights are taken
+beside nominal surfaces that are moved by a whole number of elements. A is the same wherever the contact is.
+
 Window. Hinges are evaluated in blocks of eight, inwards until a whole block is open, outwards until one is shut, and
 each way for CLEAR standard deviations of rho, in delta_c, beyond the edge. All further in are one hinge: their
 stiffness, their mean of heights and of approach are tabulated. X is found by Newton's method: X + c0 F(X) is convex and
@@ -88,6 +92,8 @@ AHEAD = 80
 """Elements beyond a smooth contact that may come in."""
 MOST_BLOCKS = 24
 """Largest window."""
+SLOPE = 6
+"""Elements ahead and behind over which the slope is taken."""
 LEAST = 48
 """Fewest elements of a contact: below some 10 kN it is solved."""
 THIRD_ORDER = 0.4
@@ -121,6 +127,9 @@ class Hinges(NamedTuple):
     extent: NDArray[np.int64]
     """Distances from the middle of the area to the farthest element before each place, along and across, in elements,
     (wheels, 2, M + 1)."""
+    fall: Real
+    """Separation of the nominal surfaces in the middle across, from nx elements behind to nx ahead, (wheels, 2 nx + 1),
+    m."""
     modulus: float
     """0.45 E* / b, N/m^3."""
     along: int
@@ -244,15 +253,17 @@ def heights_in_order(
     tread_index: int,
     rail_index: int,
     middle: float,
+    fall: Real,
+    shift: int,
     reach: int,
     aside: int,
     heights: Single,
     ordered: Single,
 ) -> None:
-    """Fill the heights of both surfaces over ``middle``, m.
+    """Fill the heights of both surfaces over ``middle``, m, beside surfaces that touch ``shift`` elements ahead.
 
-    ``heights`` (nx ny,) are by position, up to ``reach`` elements along and ``aside`` across from the middle;
-    ``ordered`` (m,) are in order.
+    ``fall`` is that of ``Hinges``, and the indices are those of the middle. ``heights`` (nx ny,) are by position, up to
+    ``reach`` elements along and ``aside`` across from the middle; ``ordered`` (m,) are in order.
     """
     nx, ny = shape
     left, right = ny // 2 - aside, ny // 2 + aside + 1
@@ -260,8 +271,9 @@ def heights_in_order(
     for i in range(nx // 2 - reach, nx // 2 + reach + 1):
         sums = heights[i * ny + left : i * ny + right]
         of_tread, of_rail = tread[t, left:right], rail[rail_row[r], left:right]
+        level = middle + (fall[nx + i - nx // 2 + shift] - fall[nx + i - nx // 2])
         for j in range(len(sums)):
-            sums[j] = np.float32(of_tread[j] + of_rail[j] - middle)
+            sums[j] = np.float32(of_tread[j] + of_rail[j] - level)
         t, r = t + 1, r + 1
         t, r = 0 if t == len(tread) else t, 0 if r == len(rail_row) else r
     for c in range(len(ordered)):
@@ -291,6 +303,32 @@ def deepest_dip(heights: Single, shape: tuple[int, int], half_i: int, half_j: in
                 dip = behind[j] + ahead[j] + right[j] + left[j] - np.float32(4.0) * own[j]
                 most = dip if dip > most else most
     return float(most)
+
+
+@inner_kernel
+def turned(index: int, length: int) -> int:
+    """``index`` modulo ``length``, without a division where it is within."""
+    return index if 0 <= index < length else index % length
+
+
+@inner_kernel
+def elements_ahead(
+    fall: Real, tread: Real, rail_row: NDArray[np.int32], rail: Real, t: int, r: int, ny: int, half: int
+) -> int:
+    """Elements, ``half`` at most, by which wheel and rail touch further ahead on a slope.
+
+    ``fall`` is that of ``Hinges``; ``t`` and ``r``, within the lengths of tread and rail, are the indices in the
+    middle. The slope is that of a straight line through the heights SLOPE elements, and half of that, ahead and behind.
+    """
+    moment, square = 0.0, 0.0
+    for u in (SLOPE // 2, SLOPE):
+        t_ahead, t_behind = turned(t + u, len(tread)), turned(t - u, len(tread))
+        r_ahead, r_behind = turned(r + u, len(rail_row)), turned(r - u, len(rail_row))
+        rise = tread[t_ahead, ny // 2] - tread[t_behind, ny // 2]
+        moment += u * (rise + rail[rail_row[r_ahead], ny // 2] - rail[rail_row[r_behind], ny // 2])
+        square += 2.0 * u * u
+    ahead = moment / square / (2.0 * fall[len(fall) // 2 + 1])
+    return int(np.rint(min(max(ahead, -float(half)), float(half))))
 
 
 @kernel
@@ -333,10 +371,13 @@ def filtered_force(
         FILTERED, or FAR if the contact is not for this method.
     """
     nx, ny = shape
-    t, r = tread_index % len(tread), rail_index % len(rail_row)
-    middle = tread[t, ny // 2] + rail[rail_row[r], ny // 2]
-    # The smooth contact at the height of the middle, and its mean of heights.
     which = wheel % len(hinges.weights)
+    fall = hinges.fall[which]
+    t, r = tread_index % len(tread), rail_index % len(rail_row)
+    shift = elements_ahead(fall, tread, rail_row, rail, t, r, ny, nx // 2)
+    t, r = (t + shift) % len(tread), (r + shift) % len(rail_row)
+    middle = tread[t, ny // 2] + rail[rail_row[r], ny // 2] - (fall[nx + shift] - fall[nx])
+    # The smooth contact at the height of the middle, and its mean of heights.
     weights, opening, extent = hinges.weights[which], hinges.opening[which], hinges.extent[which]
     mean, held, edge, borne = hinges.blocks[which]
     M = opening.shape[1]
@@ -347,16 +388,20 @@ def filtered_force(
     if n < LEAST or low == len(edge) - 1:
         return np.nan, np.nan, FAR
     reach, aside = extent[0, ahead], extent[1, ahead]
-    heights, ordered = np.empty(nx * ny, np.float32), np.empty(ahead, np.float32)
+    memory = np.empty(MOST_BLOCKS * BLOCK + (nx * ny + ahead + 1) // 2)  # at once, for it takes 40 ns
+    depth, singles = memory[: MOST_BLOCKS * BLOCK], memory[MOST_BLOCKS * BLOCK :].view(np.float32)
+    heights, ordered = singles[: nx * ny], singles[nx * ny : nx * ny + ahead]
     heights_in_order(
         hinges.element[which],
         shape,
         tread,
         rail_row,
         rail,
-        tread_index,
-        rail_index,
+        t,
+        r,
         middle,
+        fall,
+        shift,
         reach,
         aside,
         heights,
@@ -365,7 +410,6 @@ def filtered_force(
     X = edge[low] + mean_of(weights[M + low], ordered[:n])
     place = blocks_before(edge, borne, 0.0, X)
     first, last = place - HALF_WINDOW, place + HALF_WINDOW
-    depth = np.empty(MOST_BLOCKS * BLOCK)
     # The window may grow to both sides of where it begins.
     base = first - MOST_BLOCKS // 2
     begin, end = first, first

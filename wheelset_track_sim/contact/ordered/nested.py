@@ -40,7 +40,7 @@ def nested_contacts(
     ordered = separation.ravel()[element]
     left_out = np.delete(separation.ravel(), element).min(initial=np.inf)
     material = geometry.youngs_modulus, geometry.poissons_ratio
-    spacing = float(x[1] - x[0]), float(y[1] - y[0])
+    spacing = float(x[len(x) // 2 + 1]), float(y[len(y) // 2 + 1])  # from 0: the same to the last bit in every area
     factor, inverse, punch, own, far = _factor(*material, *spacing, tuple(i - len(x) // 2), tuple(j - len(y) // 2))
     return NestedContacts(
         element=element,
@@ -65,16 +65,17 @@ def no_nested_contacts() -> NestedContacts:
     )
 
 
-def hinges_of(nested: Sequence[NestedContacts], ny: int, modulus: float, dx: float, dy: float) -> Hinges:
+def hinges_of(nested: Sequence[NestedContacts], fall: Real, ny: int, modulus: float, dx: float, dy: float) -> Hinges:
     """Hinges of the contact filter, for the elements whose part of the inverse is there, of one wheel or of both.
 
-    ``ny`` is the width of the area in elements, ``modulus`` E*, Pa, and ``dx``, ``dy`` the size of the elements, m.
+    ``fall`` (wheels, 2 nx + 1), m, is that of ``Hinges``, ``ny`` the width of the area in elements, ``modulus`` E*, Pa,
+    and ``dx``, ``dy`` the size of the elements, m.
     """
     m = min(len(each.punch) for each in nested)
     parts = [_hinges(each, m, ny, dx * dy) for each in nested]
     weights, opening, blocks, element, extent = (np.stack(each) for each in zip(*parts, strict=True))
     along, across = round(DISTANCE / dx), round(DISTANCE / dy)
-    return Hinges(weights, opening, blocks, element, extent, 0.45 * modulus / DISTANCE, along, across)
+    return Hinges(weights, opening, blocks, element, extent, fall, 0.45 * modulus / DISTANCE, along, across)
 
 
 def _hinges(nested: NestedContacts, m: int, ny: int, element_area: float) -> tuple[NDArray[Any], ...]:
@@ -103,7 +104,15 @@ def no_hinges() -> Hinges:
     """No filter."""
     none = np.zeros((1, 4, 0))
     return Hinges(
-        none.astype(np.float32), none, none, np.zeros((1, 0), np.uint32), np.zeros((1, 2, 1), np.int64), 0.0, 1, 1
+        none.astype(np.float32),
+        none,
+        none,
+        np.zeros((1, 0), np.uint32),
+        np.zeros((1, 2, 1), np.int64),
+        none[0],
+        0.0,
+        1,
+        1,
     )
 
 

@@ -21,7 +21,7 @@ from ...samples.resampling import band_limited, shifted
 OVERLAP = 0.5
 """Share of the shorter record that both must have."""
 ALIKE = 0.5
-"""Coefficient below which two records have nothing in common that tells their lag."""
+"""Coefficient below which the lag of two records is unknown."""
 FINER = 4
 """Lags a step that are tried first: at whole ones a wave near the end of the band may be missed by half its length."""
 DISTINCT = 0.95
@@ -59,7 +59,7 @@ def align(
     allowed = (lags >= least) & (lags <= most) & np.isfinite(coefficients)
     if not allowed.any():
         raise InputError(
-            f"no lag from {shown(least)} to {shown(most)} lets the records have half of the shorter one in common: "
+            f"no lag from {shown(least)} to {shown(most)} makes the records overlap by half of the shorter one: "
             "give another lag"
         )
     coefficients = np.where(allowed, coefficients, -np.inf)
@@ -67,14 +67,14 @@ def align(
     highest = float(coefficients[best])
     if highest < ALIKE:
         raise InputError(
-            f"the records have nothing in common that tells their lag: the correlation is {highest:.2f} at best, "
-            f"give records with {ALIKE:g} or more"
+            f"no lag fits: the correlation of the records is {highest:.2f} at most, "
+            f"and {ALIKE:g} is needed: check that the channels and the run belong together"
         )
     other = _outside(coefficients, best)
     if other is not None and coefficients[other] > DISTINCT * highest:
         raise InputError(
             f"the lag is ambiguous: {shown(lags[best])} and {shown(lags[other])} give a correlation of {highest:.3f} "
-            f"and {coefficients[other]:.3f}: give the lag about, or a record with more that does not repeat"
+            f"and {coefficients[other]:.3f}: give an approximate lag, or a record with less repetition"
         )
     steps, refined = _between(first, second, float(lags[best]))
     second_best = math.nan if other is None else float(coefficients[other])

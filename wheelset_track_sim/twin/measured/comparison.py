@@ -37,15 +37,15 @@ class Matching:
     origin: float | None = None
     """Where the simulation's zero lies on the measurement's axis, s or m, about: the same with the other sign."""
     reach: float = quantity("", 0.0, 1e6, "how far from the given lag the best one may lie, in s or m,", default=0.02)
-    threshold: float = quantity("N", 1e3, 5e6, "the contact force that makes an impact", default=200e3)
+    threshold: float = quantity("N", 1e3, 5e6, "the contact force above which an impact begins", default=200e3)
 
     def __post_init__(self) -> None:
         check(self)
         if self.lag is not None and self.origin is not None:
-            raise InputError(f"lag = {self.lag:g} and origin = {self.origin:g} say the same: give one of them")
+            raise InputError(f"lag = {self.lag:g} and origin = {self.origin:g} exclude each other: give one of them")
         for name, value in (("lag", self.lag), ("origin", self.origin)):
             if value is not None and not math.isfinite(value):
-                raise InputError(f"{name} = {value} is not finite: give it about, in s or m")
+                raise InputError(f"{name} = {value} is not finite: give an approximate value, in s or m")
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +175,7 @@ def simulated_signals(blocks: Iterable[SampleBlock], measurement: Measurement) -
             names = _shared(measurement, block.nodes)
         elif block.first_step != end:
             raise InputError(
-                f"the simulation has a gap: after step {end - 1} comes step {block.first_step}, give one part of it"
+                f"the simulation has a gap: step {block.first_step} follows step {end - 1}, give a bag without gaps"
             )
         end = block.first_step + len(block)
         rows = np.arange(len(block)) * block.step_period

@@ -70,8 +70,8 @@ class Measurement:
         back = np.flatnonzero(np.diff(self.at) <= 0)
         if len(back):
             raise InputError(
-                f"{self.source}: {self.axis} of sample {back[0] + 1} is not behind that before it: give an axis that "
-                "increases"
+                f"{self.source}: {self.axis} of sample {back[0] + 1} is not greater than the one before it: give an "
+                "axis that increases"
             )
 
     @property
@@ -141,7 +141,7 @@ def evenly(measurement: Measurement, widest: float = WIDEST) -> Even:
     place = int(widths.argmax())
     if widths[place] > widest * typical:
         raise InputError(
-            f"{measurement.source} has a gap of {widths[place]:g} behind {at[place]:g}, "
+            f"{measurement.source} has a gap of {widths[place]:g} after {at[place]:g}, "
             f"{widths[place] / typical:.1f} steps wide: give up to {widest:g} steps, or one file for each part"
         )
     spline = scipy.interpolate.make_interp_spline(at, signals, k=5)

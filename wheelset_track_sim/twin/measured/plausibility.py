@@ -11,7 +11,7 @@ from .measurement import WHEELS, Measurement
 LOADS = (5e3, 300e3)
 """Mean loads of wheels, N: from a light trailer to twice an axle of 30 t."""
 STRESSES = (1e4, 3e9)
-"""Largest stresses of an axle, Pa: with less it is not loaded, with more no steel bears it."""
+"""Largest stresses of an axle, Pa: with less it is not loaded, and no steel withstands more."""
 AC = 0.1
 """Mean over the range of a force, from smallest to largest, below which its static part is missing."""
 PULL = 0.05
@@ -28,7 +28,7 @@ def check_loads(measurement: Measurement, *, unit_given: bool) -> None:
         if np.ptp(values) == 0.0:
             warn(
                 f"{what} is constant at {_shown(name, values[0])} in {len(values)} samples, which no rolling wheel "
-                "leaves it: check the channel"
+                "causes: check the channel"
             )
         if name in WHEELS:
             _check_force(what, values, unit_given=unit_given)
@@ -42,8 +42,8 @@ def _check_force(what: str, values: Real, *, unit_given: bool) -> None:
     shown = f"{what} is {_force(mean)} on average, from {_force(low)} to {_force(high)}"
     if abs(mean) < AC * size and low < -PULL * size:
         raise InputError(
-            f"{shown}: its static load is missing, as of an AC-coupled amplifier: give --offset with the static load, "
-            "such as --offset 98.1kN"
+            f"{shown}: its static load is missing, as behind an AC-coupled amplifier: give --offset with the static "
+            "load, such as --offset 98.1kN"
         )
     if mean <= 0.0:
         turned = "tension is positive in it: give --sign tension" if mean < 0.0 else "the channel is dead: leave it out"
@@ -52,9 +52,9 @@ def _check_force(what: str, values: Real, *, unit_given: bool) -> None:
         warn(f"{shown}, and a rail does not pull a wheel down: check the zero, or give --offset")
     if LOADS[0] <= mean <= LOADS[1]:
         return
-    words = f"{shown}, and wheels bear {LOADS[0] / 1e3:g} to {LOADS[1] / 1e3:g} kN"
+    words = f"{shown}, and wheels carry {LOADS[0] / 1e3:g} to {LOADS[1] / 1e3:g} kN"
     if unit_given:
-        warn(f"{words}: the unit is the one of --unit")
+        warn(f"{words}: check the unit that you gave by --unit")
         return
     units = [unit for unit, size in (("N", 1e-3), ("kN", 1e3)) if LOADS[0] <= size * mean <= LOADS[1]]
     hint = f"it looks as if the file were in {units[0]}: give --unit {units[0]}" if units else "give its unit, --unit"
@@ -65,10 +65,10 @@ def _check_stress(what: str, values: Real) -> None:
     largest = float(np.abs(values).max())
     if largest > STRESSES[1]:
         raise InputError(
-            f"{what} is up to {largest / 1e6:g} MPa, more than steel bears: give the unit of the file with --unit"
+            f"{what} is up to {largest / 1e6:g} MPa, more than steel withstands: give the unit of the file with --unit"
         )
     if 0.0 < largest < STRESSES[0]:
-        warn(f"{what} is up to {largest:g} Pa, and axles bear some MPa: give the unit of the file with --unit")
+        warn(f"{what} is up to {largest:g} Pa, and axle stresses are some MPa: give the unit of the file with --unit")
 
 
 def _shown(name: str, value: float) -> str:

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ...bags import Bag
+from ...bags.folder_files import suffix_of
 from ...errors import InputError, warn
 from ...inputs.tables import Column, ColumnTable, key, read_table
 from ...inputs.units import UNITS, Dimension, names_of, unit_named
@@ -43,7 +44,7 @@ class Reading:
                 raise InputError(f"--unit {unit!r} is not known: give one of {', '.join(UNITS)}")
         for name in self.offsets:
             if name not in WHEELS:
-                raise InputError(f"--offset is of {' or '.join(WHEELS)}, not of {name!r}: give one of these")
+                raise InputError(f"--offset applies to {' or '.join(WHEELS)}, not to {name!r}: give one of these")
 
     def unit(self, dimension: Dimension) -> str:
         """Unit that is given for a dimension, or empty."""
@@ -70,7 +71,7 @@ def read_measurement(path: str | Path, reading: Reading | None = None) -> Measur
         If a bag cannot be read.
     """
     path = Path(path)
-    if path.is_dir() or path.suffix.lower() == ".mcap":
+    if path.is_dir() or suffix_of(path):
         return _of_bag(path)
     if not path.exists():
         raise InputError(f"{path} does not exist: give a text file or a bag")
@@ -106,7 +107,10 @@ def _of_table(table: ColumnTable, path: Path, reading: Reading) -> Measurement:
             f"{', '.join(names_of('force'))}; other names are of stress nodes, give {', '.join(names_of('stress'))}"
         )
     if left_out:
-        warn(f"{path}: {', '.join(left_out)} is not used: call a force wheel_1 or wheel_2, and a stress after its node")
+        warn(
+            f"{path}: {', '.join(left_out)} is not used: name a column of forces wheel_1 or wheel_2, and one of "
+            "stresses after its node"
+        )
     measurement = Measurement(path, axis, first.values * scale, signals, first.origin * Decimal(repr(scale)))
     check_loads(measurement, unit_given=bool(reading.unit("force")))
     return measurement

@@ -1,0 +1,51 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ...inputs import shipped
+from .parser import Amount, Parser, completed
+
+
+def takes_bag(command: Parser, and_then: str = "") -> None:
+    """Add the bag that the command reads."""
+    command.add_argument("bag", type=Path, metavar="BAG", help=f"an .mcap file or a bag folder{and_then}")
+
+
+def takes_changes(command: Parser, what: str = "change a key of the scenario, such as 'speed=100 km/h'") -> None:
+    """Add ``--set``."""
+    keys = "bare numbers are SI; docs/scenarios.md lists all keys; repeat the option for more"
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what}; {keys}")
+
+
+def takes_threshold(command: Parser, event: str = "an impact begins") -> None:
+    """Add ``--threshold``."""
+    what = f"contact force above which {event} (default: '200 kN')"
+    command.add_argument("--threshold", action=Amount, unit="N", metavar="FORCE", help=what)
+
+
+def takes_json(command: Parser, instead_of: str = "a table") -> None:
+    """Add ``--json``."""
+    command.add_argument("--json", action="store_true", help=f"print one JSON object instead of {instead_of}")
+
+
+def may_overwrite(command: Parser) -> None:
+    """Add ``--overwrite``."""
+    command.add_argument("--overwrite", action="store_true", help="replace files that exist already")
+
+
+def takes_shipped(command: Parser, name: str, further: str = "") -> None:
+    """Add a file or the name of a shipped one; shells complete both."""
+    kind = shipped.kind_of(name)
+    what = f"a file, or a name that list {kind} prints{further}"
+    named = command.add_argument(name, metavar=name.upper(), help=what)
+    completed(named, lambda prefix, **_: [*shipped.names(kind), *map(str, Path().glob(f"{prefix}*"))])
+
+
+def takes_kind(command: Parser, **options: Any) -> None:
+    """Add the kind of a shipped file."""
+    kinds = [shipped.singular(kind) for kind in shipped.kinds()]
+    kind = command.add_argument("kind", metavar="KIND", help=f"one of {', '.join(kinds)}", **options)
+    completed(kind, lambda **_: kinds)

@@ -1,0 +1,49 @@
+"""Arguments of ``study``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from .options import takes_changes, takes_shipped
+from .parser import Commands, command
+
+
+def add(commands: Commands) -> None:
+    """Add the command."""
+    study = command(
+        commands,
+        "study",
+        "run a parameter study and write its figures, tables and summary",
+        uses=["load_cases", "depth --dynamics paper --workers 2", "mine.yaml --out results/mine"],
+    )
+    takes_shipped(study, "study", ", or all")
+    study.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the results (default: results/STUDY-DYNAMICS); finished runs there are not repeated",
+    )
+    takes_changes(study, "change a key in all runs, such as 'speed=100 km/h'")
+    study.add_argument("--dynamics", metavar="NAME", help="causal or paper, in all runs")
+    study.add_argument(
+        "--workers", type=int, metavar="N", help="number of processes on this machine (default: one per core)"
+    )
+    study.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on a Dask cluster; the address of its scheduler, such as tcp://host:8786",
+    )
+    study.add_argument(
+        "--parquet", action="store_true", help="also write the tables as Parquet (needs the extra analysis)"
+    )
+    study.set_defaults(command=_study)
+
+
+def _study(options: argparse.Namespace) -> int:
+    from ...studies.conduct import Resources
+    from ..study import study
+
+    changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
+    resources = Resources(options.workers, options.scheduler)
+    return study(options.study, changes, options.out, resources, parquet=options.parquet)
