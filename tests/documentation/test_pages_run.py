@@ -11,7 +11,8 @@ WTS = ".venv/bin/wheelset-track-sim"
 SETUP = "python3 tools/setup_env.py"
 LEFT_OUT = {
     "tutorials/paper": tuple(
-        f"{WTS} study {name}" for name in ("wheelset_receptances", "moving_green_functions", "load_cases")
+        f"{WTS} study {name}"
+        for name in ("wheelset_receptances", "moving_green_functions", "time_history", "load_cases")
     ),
     "tutorials/own_wheelset": (f"{WTS} study",),
     "tutorials/cluster": (SETUP, ".venv/bin/dask", f"{WTS} study"),
