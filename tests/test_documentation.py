@@ -13,7 +13,7 @@ import wheelset_track_sim as wts
 from support.paths import ROOT
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.inputs.yaml12 import parse
-from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
+from wheelset_track_sim.scenario import Event, Scenario, load_scenario, scenario_from
 from wheelset_track_sim.simulation.simulator import CHANGEABLE
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "examples" / "README.md"])
@@ -74,7 +74,8 @@ def test_commands_and_their_options_exist(page, capsys):
     targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     assert {target for target, *_ in commands_of(page, "make")} <= targets
     for program, *_ in commands_of(page, ".venv/bin/python"):
-        assert program.startswith("-") or (ROOT / program).exists(), program
+        saved = f"`{program}`" in page.read_text(encoding="utf-8")
+        assert program.startswith("-") or saved or (ROOT / program).exists(), program
     for package, file, *_ in commands_of(page, "ros2 launch"):
         assert package == "wheelset_track_sim"
         assert (ROOT / "launch" / file).exists(), file
@@ -119,6 +120,17 @@ def test_the_page_of_scenarios_has_every_key_with_its_range_and_default():
             assert default_of(field) is dataclasses.MISSING, field.name
     (named,) = re.findall(r"^Only (.*?)\bcan change", text, re.MULTILINE | re.DOTALL)
     assert set(re.findall(r"`(\w+)`", named)) == set(CHANGEABLE)
+
+
+def test_the_page_of_scenarios_has_every_key_of_an_event_with_its_range():
+    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `events\.(\w+)` \|(.*)\|$", text, re.MULTILINE))
+    assert [*rows] == [field.name for field in dataclasses.fields(Event)]
+    for field in dataclasses.fields(Event):
+        declared = field.metadata.get("quantity")
+        unit, span, _ = (cell.strip() for cell in rows[field.name].split(" |"))
+        wanted = (declared.unit, f"{declared.low:g} to {declared.high:g}") if declared else ("", "")
+        assert (unit, span) == wanted, field.name
 
 
 def default_of(field):

@@ -13,6 +13,7 @@ from matplotlib.figure import SubFigure
 from wheelset_track_sim.report.figures import COLOURS
 from wheelset_track_sim.report.pictures.scenario import PictureRow, description, rows_of, write_rows
 from wheelset_track_sim.scenario import Scenario, load_scenario
+from wheelset_track_sim.simulation.agenda import step_of
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.supports import along
 
@@ -23,7 +24,7 @@ PICTURES = ROOT / "docs" / "images" / "gallery"
 GROUPS = {
     "Treads": (
         *("damage_wheel_1", "damage_wheel_2", "damage_both", "rcf_cluster", "flat_fresh", "flat_rounded", "polygon"),
-        *("rough_wheel", "measured_tread"),
+        *("rough_wheel", "measured_tread", "growing_damage"),
     ),
     "Rails": ("rail_roughness", "corrugation", "squat", "insulated_joint", "dipped_weld"),
     "Profiles": ("worn_profiles", "lateral_offset"),
@@ -37,7 +38,7 @@ GROUPS = {
 WINDOW = 1.5
 """m shown to either side of the largest deviation from the static force..."""
 WIDE = 12.0
-"""...and where it is the supports that differ, or a vehicle that moves."""
+"""...and where it is the supports that differ, or a vehicle that moves, or something happens on the way."""
 LONGEST = 60.0
 """m run at most."""
 
@@ -78,8 +79,8 @@ def response(scenario: Scenario) -> PictureRow:
         blocks.append(simulator.advance(steps - simulator.next_step))
     forces = np.concatenate([block.forces for block in blocks])
     stresses = np.concatenate([block.max_principal for block in blocks])
-    slow = simulator.models.track.line is not None or scenario.vehicle is not None
-    reach = round((WIDE if slow else WINDOW) / scenario.step_length)
+    wide = simulator.models.track.line is not None or scenario.vehicle is not None or scenario.events
+    reach = round((WIDE if wide else WINDOW) / scenario.step_length)
     centre = int(np.abs(forces - scenario.wheel_load).max(axis=1).argmax())
     part = slice(max(0, centre - reach), min(steps, centre + reach))
     position = np.arange(steps)[part] * scenario.step_length
@@ -103,9 +104,12 @@ def response(scenario: Scenario) -> PictureRow:
 
 
 def length(scenario: Scenario, simulator: Simulator) -> float:
-    """A turn of the wheel, or as far as there is something on the rails or under them, m."""
+    """A turn of the wheel, or as far as there is something on the rails or under them, or something happens, m."""
     turn = simulator.steps_per_revolution * scenario.step_length
     ends = [turn, *(getattr(each, "end", 0.0) + WINDOW for each in scenario.irregularities)]
+    for event in scenario.events:
+        begun = step_of(event, scenario, simulator.course) * scenario.step_length
+        ends.append(begun + (event.grow.over if event.grow else 0.0) + 2 * turn)
     track = simulator.models.track
     if track.line is not None:
         found = along(track.line)

@@ -215,3 +215,11 @@ def test_a_bag_of_each_tenth_step_is_complete_and_says_so(tmp_path, run_info, ma
     thin = [message for message in stored(path) if message.log_time != round(2000 * 36e-6 * 1e9)]
     gap = overview(copied(tmp_path / "gap.mcap", thin))
     assert [str(loss).partition(" (")[0] for loss in gap.gaps] == ["steps 2000 to 3999 are missing"]
+
+
+def test_events_to_come_are_counted() -> None:
+    before = load_scenario("undamaged", ["events=[{time: 1.0, speed: 30.0}, {time: 2.0, axle_load: 2e5}]"])
+    after = dataclasses.replace(before, speed=30.0, events=before.events[1:])
+    assert changed_keys(before.to_yaml(), after.to_yaml())[-1] == ChangedKey("events to come", 2, 1)
+    last = dataclasses.replace(after, axle_load=2e5, events=())
+    assert changed_keys(after.to_yaml(), last.to_yaml())[-1] == ChangedKey("events to come", 1, 0)

@@ -33,6 +33,16 @@ def test_run_prints_one_json_object(capsys: pytest.CaptureFixture[str]) -> None:
     assert result["nodes"]["A1"]["max_principal_Pa"] == pytest.approx(93.7e6, rel=0.05)
 
 
+def test_what_events_ask_of_a_node_is_left_out_with_a_warning(capsys: pytest.CaptureFixture[str]) -> None:
+    events = "events=[{step: 100, axle_load: 18 t, record: start}, {step: 200, snapshot: true}]"
+    assert main(["run", "undamaged", "--duration", "0.01", "--set", events, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["warnings"]
+    assert told == [
+        f"events.{key} is for the node, and does nothing here: --out records the whole run"
+        for key in ("0.record", "1.snapshot")
+    ]
+
+
 def test_smooth_wheels_run_near_102_kn_and_the_statics(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "undamaged", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)

@@ -5,14 +5,17 @@ import math
 import threading
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from support.advancing import advance_to
+from support.toy import toy_models, toy_scenario
 from wheelset_track_sim.bags.tread_damage import damage_fields
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.live.revisions import Revisions
 from wheelset_track_sim.scenario import SetPoint, load_scenario
-from wheelset_track_sim.simulation.changes import Revision
+from wheelset_track_sim.simulation.changes import OvertakenError, Revision
 from wheelset_track_sim.simulation.simulator import Simulator
 
 BASE = load_scenario("undamaged")
@@ -168,3 +171,80 @@ def test_two_at_once_end_in_the_order_of_their_revisions(revisions, simulator):
     assert simulator.scenario.speed == revisions.scenario.speed == in_order[-1]
     steps = [answers[speed].step for speed in in_order]
     assert steps == sorted(steps)
+
+
+def test_events_are_known_before_the_next_change(followed):
+    scenario = toy_scenario("events=[{step: 100, axle_load: 190e3}]")
+    revisions, simulator = Revisions(scenario, followed.append, lambda stage, fraction: None), None
+    simulator = Simulator(scenario, models=toy_models())
+    revisions.attach(simulator)
+    advance_to(simulator, 150)
+    assert revisions.scenario.axle_load == 190e3
+    with pytest.raises(OvertakenError):
+        revisions.change(lambda before: dataclasses.replace(before, acceleration=1.0))
+    assert revisions.speed(30.0).number == 2
+    assert [scenario.speed for scenario in followed] == [scenario.speed, 30.0]
+    assert (simulator.scenario.axle_load, simulator.scenario.speed) == (190e3, 30.0)
+    advance_to(simulator, 200)
+    revisions.catch_up()  # nothing has happened
+    assert len(followed) == 2
+
+
+def test_events_are_scheduled_in_their_order_and_dropped():
+    scenario = toy_scenario("events=[{step: 5000, axle_load: 190e3}]")
+    revisions = Revisions(scenario, lambda scenario: None, lambda stage, fraction: None)
+    assert revisions.schedule("[{distance: 6.0, speed: 20.0}]", ".") == Revision(0, 0)
+    simulator = Simulator(revisions.scenario, models=toy_models())
+    revisions.attach(simulator)
+    simulator.advance(100)
+    assert revisions.schedule("[{time: 0.05, torque: 500.0}]", ".") == Revision(1, 100)
+    assert [*map(str, simulator.scenario.events)] == [
+        "event at time 0.05 s",
+        "event at step 5000",
+        "event at distance 6 m",
+    ]
+    for text, message in (
+        ("[{step: 50, speed: 20.0}]", "an event at step 50 is in the past: the run is at step 100"),
+        (
+            "[{step: 500, set: {irregularities.0.h: 0.001}}]",
+            "events.0: irregularities.0.h: the run has no irregularities",
+        ),
+        ("[{step: 500}]", "events.0: it changes nothing"),
+        ("{step: 500}", "events are a dict: give a list"),
+    ):
+        with pytest.raises(InputError, match=f"^{message}"):
+            revisions.schedule(text, ".")
+    assert len(simulator.scenario.events) == 3
+    assert revisions.schedule("", ".", replace=True).number == 2
+    assert simulator.scenario.events == ()
+
+
+@pytest.mark.slow
+def test_events_and_changes_of_two_threads_lose_nothing_and_can_be_made_again(followed):
+    """Changes come whenever they do; each event comes at its step, and all of it again gives the same bits."""
+    loads = [150e3 + 100.0 * number for number in range(1, 21)]
+    events = "".join(f"{{step: {100 * number}, axle_load: {load}}}, " for number, load in enumerate(loads, 1))
+    scenario = toy_scenario(f"events=[{events}]", "acceleration=10")
+    simulator = Simulator(scenario, models=toy_models())
+    revisions = Revisions(scenario, followed.append, lambda stage, fraction: None)
+    revisions.attach(simulator)
+    made = []
+
+    def change():
+        while simulator.next_step < 2200:
+            made.append(revisions.speed(25.0 + len(made) % 10))
+
+    thread = threading.Thread(target=change)
+    thread.start()
+    forces = np.concatenate([block.forces for block in advance_to(simulator, 2200, 30)])
+    thread.join()
+    history = [each for each in simulator.history if each.revision.step < 2200]
+    assert [each.revision.step for each in history if each.event] == [100 * number for number in range(1, 21)]
+    assert [each.scenario.axle_load for each in history if each.event] == loads
+    assert len(history) - 21 == sum(revision.step < 2200 for revision in dict.fromkeys(made) if revision.number)
+    again = Simulator(toy_scenario("acceleration=10"), models=toy_models())
+    blocks = []
+    for each in history[1:]:
+        blocks += advance_to(again, each.revision.step)
+        again.apply(dataclasses.replace(each.scenario, events=()), not_before=each.revision.step, exactly=True)
+    assert np.array_equal(np.concatenate([block.forces for block in blocks + advance_to(again, 2200)]), forces)

@@ -121,6 +121,8 @@ def test_shipped_parameter_file(start, member):
         assert found[0].decimation == 10
     assert views[0].get("wheel_1.damage.h", "axle_load") == [0.002, 196.2e3]
     assert views[2].get("speed") == [30.0]
+    assert [view.get("scenario") for view in views] == [["undamaged"], ["flat_fresh"], ["damage_both"]]
+    assert [found[0].header.frame_id for found in forces] == [f"wheelset_{number}/track" for number in (1, 2, 3)]
 
 
 class Closing:

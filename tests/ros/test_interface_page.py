@@ -98,6 +98,8 @@ def topics_of(graph):
         ("in", graph.get_subscriber_names_and_types_by_node, graph.get_subscriptions_info_by_topic),
     ):
         for name, [kind] in named(NODE, "/"):
+            if "/_action/" in name:
+                continue
             [qos] = {of_qos(end.qos_profile) for end in ends(name) if end.node_name == NODE}
             found.add(Topic(relative(name), kind, direction, qos))
     return found
@@ -108,7 +110,19 @@ def of_qos(profile):
 
 
 def services_of(graph):
-    return {Service(relative(name), kind) for name, [kind] in graph.get_service_names_and_types_by_node(NODE, "/")}
+    found = graph.get_service_names_and_types_by_node(NODE, "/")
+    return {Service(relative(name), kind) for name, [kind] in found if "/_action/" not in name}
+
+
+def standard_services():
+    return {Service(row["service"], row["type"]) for row in rows("Standard services of simulators")}
+
+
+def known_type(kind):
+    """Whether the package of a service is installed, and knows it."""
+    package, _, name = kind.split("/")
+    found = importlib.util.find_spec(package) is not None
+    return found and hasattr(importlib.import_module(f"{package}.srv"), name)
 
 
 def parameters_of(client):
@@ -144,7 +158,9 @@ def test_page_is_the_running_node_and_the_running_node_is_the_page(start, client
     own = {"publish_clock": "false"}  # what this test has set
     running = {item._replace(default=own.get(item.parameter, item.default)) for item in parameters_of(client)}
     assert running == parameters_of_page()
-    assert services_of(known(client)) == {Service(row["service"], row["type"]) for row in rows("Services")}
+    wanted = {Service(row["service"], row["type"]) for row in rows("Services")}
+    wanted |= {item for item in standard_services() if known_type(item.type)}
+    assert services_of(known(client)) == wanted
     followed = {item for item in topics_of_page() if (item.topic, item.direction) == ("/clock", "in")}
     assert topics_of(known(client)) == topics_of_page() - followed
 
@@ -186,7 +202,7 @@ def test_every_row_of_the_page_says_what_it_is_for():
     for row in rows("Topics"):
         assert row["unit"], row
         assert len(row["content"]) > SHORTEST, row
-    for row in rows("Services") + rows("Services of the replay"):
+    for row in rows("Services") + rows("Services of the replay") + rows("Standard services of simulators"):
         assert len(row["what it does"]) > SHORTEST, row
     for row in rows("Parameters") + rows("Parameters of the replay"):
         assert row["type"] != "double" or row["unit"] or "share" in row["meaning"] or "over" in row["meaning"], row

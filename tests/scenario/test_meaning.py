@@ -10,6 +10,8 @@ from wheelset_track_sim.scenario.meaning import meaning_of
     [
         ("irregularities.0.h", ("depth", "m")),
         ("track.sleeper.length", None),
+        ("events.0.axle_load", ("static load on both wheels together", "N")),
+        ("events.1.add.0.h", ("depth", "m")),
         ("max_frequency", ("band limit", "Hz")),
         ("lag_zero", ("lag_zero", "")),
         ("nothing.at.all", ("nothing.at.all", "")),

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from support.toy import toy_models
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation import fleet
 from wheelset_track_sim.simulation.fleet import Fleet, ModelPool
@@ -129,3 +130,24 @@ def test_who_fails_to_build_leaves_it_to_the_next(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         pool.models(SCENARIOS[0])
     assert pool.models(SCENARIOS[0]).step_length == 1e-3
+
+
+def test_a_wheelset_that_waits_for_the_models_of_another_says_so(monkeypatch):
+    told, begun, built = [], threading.Event(), threading.Event()
+
+    def slowly(scenario, progress):
+        begun.set()
+        assert built.wait(60.0)
+        return toy_models()
+
+    def progress(stage, fraction):
+        told.append(stage)
+        built.set()
+
+    monkeypatch.setattr(fleet, "load_models", slowly)
+    pool = ModelPool()
+    with ThreadPoolExecutor(1) as other:
+        first = other.submit(pool.models, SCENARIOS[0])
+        assert begun.wait(60.0)
+        assert pool.models(SCENARIOS[3], progress) is first.result()
+    assert told == [fleet.WAITING]

@@ -83,6 +83,7 @@ def test_what_is_there_when_the_passage_begins_is_refused(defects, window, messa
         ((), {"before": 2.0}, "a passage from 2 m before to 0.9 m behind the reference position of 1.8 m is none"),
         ((), {"before": 0.5, "after": -0.6}, "is none: give a beginning behind step 0, and an end behind it"),
         (("speed_plan=[{time: 1, speed: 20}]",), {}, "speed_plan has no place in a passage: give speed"),
+        (("events=[{time: 1, speed: 20}]",), {}, "events have no place in a passage: leave them out"),
     ],
 )
 def test_passages_that_cannot_be_are_refused(changes, window, message):

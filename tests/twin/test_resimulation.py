@@ -10,7 +10,7 @@ import pytest
 
 from wheelset_track_sim.bags import Bag, BagWriter, RunInfo, read_bag
 from wheelset_track_sim.bags.run_info import Input
-from wheelset_track_sim.errors import RecordingError
+from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.irregularities import Breakout, Harmonic, Polygon, Squat
 from wheelset_track_sim.live.run_messages import record, run_info, state, states
 from wheelset_track_sim.samples.summary import summarise
@@ -73,6 +73,28 @@ def test_the_same_inputs_give_the_same_bits(bag: Path, tmp_path: Path) -> None:
     for one, other in zip(second.states, first.states, strict=True):
         assert dataclasses.replace(one, real_time_factor=0.0) == dataclasses.replace(other, real_time_factor=0.0)
     assert second.info == first.info
+
+
+@pytest.mark.slow
+def test_a_run_of_events_and_changes_gives_the_same_bits(tmp_path: Path) -> None:
+    """Events are recorded as the revisions that they have become, and do not happen a second time."""
+    events = (
+        "events=[{distance: 0.4, irregularities: [{type: breakout, on: wheel_1, a: 0.006, b: 0.012, h: 0.0005}]}, "
+        "{step: 600, speed: 30, acceleration: 8}, {turn: 0.5, axle_load: 180e3}, "
+        "{time: 0.06, grow: {key: irregularities.0.h, to: 0.001, over: 3, steps: 1}}, {distance: 99, torque: 1 kN m}]"
+    )
+    live = (2000, {"acceleration": 5.0})
+    bag = recorded(tmp_path / "run.mcap", Simulator(load_scenario("undamaged", [events])), [live], 2 * TURN)
+    found = resimulate(bag, out=tmp_path / "again.mcap")
+    assert found.identical
+    assert not found.unknown
+    assert [change.revision for change in found.inputs.changes] == [*range(7)]
+    depths = [getattr(change.scenario.irregularities[-1], "h", 0.0) for change in found.inputs.changes[1:]]
+    assert (depths[0], depths[-1]) == (0.0005, 0.001)
+    first, second = read_bag(bag), read_bag(tmp_path / "again.mcap")
+    np.testing.assert_array_equal(second.forces, first.forces)
+    with pytest.raises(InputError, match=r"^--set events: events cannot be set for a recorded run"):
+        resimulate(bag, ["events=[]"])
 
 
 @pytest.mark.slow

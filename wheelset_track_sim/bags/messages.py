@@ -24,6 +24,7 @@ from .irregularities_text import irregularities_text, listed_irregularities
 from .tread_damage import FIELDS
 
 FRAME = "track"
+"""Frame of all headers, unless a node has a prefix."""
 NANOSECOND = 1e-9
 SENSORS = "sensor_summary"
 """Topic of the scalars of all sensors."""
@@ -92,6 +93,14 @@ class State:
     def irregularities(self) -> tuple[Any, ...] | None:
         """All irregularities in force, as plain mappings like those of a scenario file; None if unknown."""
         return listed_irregularities(self.scenario)
+
+
+def in_frame(messages: Iterable[Message], frame: str) -> list[Message]:
+    """The same messages with another ``frame_id`` in their headers; none may be serialised yet."""
+    found = [*messages]
+    for message in found if frame != FRAME else ():
+        message.fields["header"]["frame_id"] = frame
+    return found
 
 
 def stress_topic(node: str) -> str:

@@ -360,9 +360,13 @@ def changed_keys(before: str, after: str) -> tuple[ChangedKey, ...]:
     old, new = _sections(before), _sections(after)
     texts = ["".join(part for part in one if part not in other) for one, other in ((old, new), (new, old))]
     try:
-        return tuple(_changed("", *(parse(text, "scenario", trusted=False) or {} for text in texts)))
+        before_it, after_it = (parse(text, "scenario", trusted=False) or {} for text in texts)
+        to_come = [each.pop("events", None) or [] for each in (before_it, after_it) if isinstance(each, dict)]
+        changed = tuple(_changed("", before_it, after_it))
     except InputError:  # of another version or by hand
         return (ChangedKey("scenario", before, after),) if before != after else ()
+    counts = [len(each) for each in to_come if isinstance(each, list)]
+    return (*changed, ChangedKey("events to come", *counts)) if any(counts) and len(counts) == 2 else changed
 
 
 def _sections(text: str) -> list[str]:

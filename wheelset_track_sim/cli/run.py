@@ -13,13 +13,14 @@ from rich.table import Table
 
 from ..bags.exports import check_steps, exported, form_of
 from ..bags.settings import RecordSettings
-from ..errors import InputError
+from ..errors import InputError, warn
 from ..inputs.amounts import in_unit
 from ..live.run_messages import record
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import Summary, combine, summarise
 from ..scenario import WHEELS, Scenario, load_scenario
+from ..scenario.events import OF_NODE
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
 from .console import print_object, terminal
@@ -60,6 +61,9 @@ def run(
         raise InputError(
             f"--out {out} is a table, and you gave options of bags: leave them out, or give {out.with_suffix('.mcap')}"
         )
+    for index, event in enumerate(what.events):
+        for key in (name for name in OF_NODE if getattr(event, name)):
+            warn(f"events.{index}.{key} is for the node, and does nothing here: --out records the whole run")
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
@@ -87,7 +91,8 @@ def run(
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
     result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
-    print_object(result) if json else terminal().print(table(result, " at the start" if what.speed_plan else ""))
+    varies = what.speed_plan or any(event.speed or event.axle_load for event in what.events)
+    print_object(result) if json else terminal().print(table(result, " at the start" if varies else ""))
     return 0
 
 

@@ -24,11 +24,6 @@ class DynamicsModel(Protocol):
         ...
 
     @property
-    def changes_speed(self) -> bool:
-        """Whether the speed may change during a run."""
-        ...
-
-    @property
     def longest_run(self) -> float:
         """Bound on a run, settling included, s."""
         ...

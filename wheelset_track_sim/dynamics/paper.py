@@ -62,7 +62,6 @@ class PaperModel:
     bays: int = BAYS
     """Bays over which the rail's response is followed."""
     sensor_rows: ClassVar[int] = 0
-    changes_speed: ClassVar[bool] = False
     longest_run: ClassVar[float] = LONGEST_RUN
 
     @on_one_core

@@ -49,7 +49,6 @@ class RunningWheelset:
     stress_output: Complex  # (S, R) of the first R modes; the others answer at once
     stress_feedthrough: Real  # (S, 2)
     stress_rows: NDArray[np.intp]  # (S,) where the components stand in the flattened (nodes, 6)
-    changes_speed: ClassVar[bool] = True
     longest_run: ClassVar[float] = math.inf
 
     @property

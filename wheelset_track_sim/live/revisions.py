@@ -5,14 +5,18 @@ from __future__ import annotations
 import dataclasses
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ..bags.tread_damage import irregularities_of
 from ..irregularities.listing import listed
 from ..runtime.progress import Progress
 from ..scenario import WHEELS, Scenario
-from ..simulation.changes import Revision
+from ..scenario.events import listed_events
+from ..simulation.agenda import in_order
+from ..simulation.changes import OvertakenError, Revision
 from ..simulation.simulator import Simulator
+from ..simulation.speed import course_of
 from .recorder import path_below
 
 
@@ -23,6 +27,9 @@ class Revisions:
     WheelsetTrackError: an InputError with quantity, value and limit, or a ContactError for treads whose contact cannot
     be solved. Without a simulator, a change takes effect at the start of the next run. Methods may be called from any
     thread.
+
+    Events of the run change its scenario, too. ``catch_up`` makes them known, and each change is made from the scenario
+    after them.
     """
 
     def __init__(self, scenario: Scenario, follow: Callable[[Scenario], None], progress: Progress) -> None:
@@ -32,18 +39,19 @@ class Revisions:
         """
         self.lock = threading.RLock()
         """Held while a change is validated, accepted and followed."""
-        self._scenario, self._follow, self._progress = scenario, follow, progress
+        self._known, self._follow, self._progress = scenario, follow, progress
         self._simulator: Simulator | None = None
         self._newest = Revision(0, 0)
 
     @property
     def scenario(self) -> Scenario:
         """The scenario accepted last."""
-        return self._scenario
+        simulator = self._simulator
+        return self._known if simulator is None else simulator.scenario
 
     @property
     def newest(self) -> Revision:
-        """The revision accepted last."""
+        """The revision accepted last, or known last if an event has just made another one."""
         return self._newest
 
     def attach(self, simulator: Simulator) -> None:
@@ -53,26 +61,47 @@ class Revisions:
         """
         with self.lock:
             self.detach()
-            if simulator.scenario != self._scenario:
-                self._newest = simulator.apply(self._scenario, self._progress)
-                self._scenario = simulator.scenario
-            self._simulator = simulator
+            if simulator.scenario != self._known:
+                self._newest = simulator.apply(self._known, self._progress)
+            self._known, self._simulator = simulator.scenario, simulator
 
     def detach(self) -> None:
         """Apply changes to no run."""
         with self.lock:
+            self.catch_up()
             self._simulator, self._newest = None, Revision(0, 0)
 
-    def change(self, change: Callable[[Scenario], Scenario]) -> Revision:
-        """Make a change by parameters: ``change`` returns the next scenario from the one accepted last."""
+    def begin(self, scenario: Scenario) -> None:
+        """Begin anew with another scenario, without a run; parameters show it."""
         with self.lock:
-            wanted = change(self._scenario)
-            if wanted == self._scenario:
+            self.detach()
+            self._known = scenario
+            self._follow(scenario)
+
+    def catch_up(self) -> None:
+        """Take note of what events have changed."""
+        with self.lock:
+            simulator = self._simulator
+            if simulator is not None and simulator.scenario is not self._known:
+                self._known, self._newest = simulator.accepted
+                self._follow(self._known)
+
+    def change(self, change: Callable[[Scenario], Scenario]) -> Revision:
+        """Make a change by parameters: ``change`` returns the next scenario from the one accepted last.
+
+        Raises OvertakenError if an event happens meanwhile; ``catch_up``, and make it again.
+        """
+        with self.lock:
+            wanted, simulator = change(self._known), self._simulator
+            if wanted == self._known:
                 return self._newest
-            if self._simulator is not None:
-                self._newest = self._simulator.apply(wanted, self._progress)
-                wanted = self._simulator.scenario  # without its speed plan, if the change ended that
-            self._scenario = wanted
+            if simulator is None:
+                self._known = wanted
+                return self._newest
+            self._newest = simulator.apply(wanted, self._progress, base=self._known)
+            scenario, revision = simulator.accepted  # without its speed plan, if the change ended that
+            if revision == self._newest:
+                self._known = scenario
             return self._newest
 
     def damage(self, damage: Sequence[Any]) -> Revision:
@@ -112,8 +141,22 @@ class Revisions:
 
         return self._change_and_follow(change)
 
+    def schedule(self, text: str, folder: str, *, replace: bool = False) -> Revision:
+        """Add a YAML list of events to those to come, or ``replace`` them; files in it lie below ``folder``."""
+        events = listed_events(text, lambda name: str(path_below(folder, name)))
+
+        def change(scenario: Scenario) -> Scenario:
+            simulator = self._simulator
+            course = course_of(scenario) if simulator is None else simulator.course
+            coming = (*(() if replace else scenario.events), *events)
+            return dataclasses.replace(scenario, events=in_order(coming, scenario, course))
+
+        return self._change_and_follow(change)
+
     def _change_and_follow(self, change: Callable[[Scenario], Scenario]) -> Revision:
-        with self.lock:
-            revision = self.change(change)
-            self._follow(self._scenario)
-        return revision
+        while True:
+            with self.lock, suppress(OvertakenError):
+                self.catch_up()
+                revision = self.change(change)
+                self._follow(self._known)
+                return revision

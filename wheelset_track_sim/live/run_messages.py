@@ -10,7 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from ..bags.messages import Message, State, chunk_messages, impact_message, sensor_messages, state_message
+from ..bags.messages import (
+    FRAME,
+    Message,
+    State,
+    chunk_messages,
+    impact_message,
+    in_frame,
+    sensor_messages,
+    state_message,
+)
 from ..bags.run_info import Input, RunInfo
 from ..bags.settings import RecordSettings
 from ..bags.snapshots import writer_of
@@ -60,12 +69,19 @@ class RunMessages:
     change of the speed's set point or of the recording.
     """
 
-    def __init__(self, simulator: Simulator, *, start_ns: int = 0, impacts: ImpactSettings | None = None) -> None:
+    def __init__(
+        self,
+        simulator: Simulator,
+        *,
+        start_ns: int = 0,
+        impacts: ImpactSettings | None = None,
+        frame: str = FRAME,
+    ) -> None:
         """Begin with the next block of ``simulator``; ``start_ns`` is the time stamp of step 0, ns.
 
-        ``impacts`` defines an impact.
+        ``impacts`` defines an impact, ``frame`` is that of all headers.
         """
-        self.simulator, self.start_ns = simulator, start_ns
+        self.simulator, self.start_ns, self._frame = simulator, start_ns, frame
         self.detector = ImpactDetector(simulator.steps_per_revolution, simulator.models.tread_origin, impacts)
         self.told = state(simulator)
         """The latest state."""
@@ -78,7 +94,7 @@ class RunMessages:
     def state(self, *, status: int = RUNNING, message: str = "", recording: str = "") -> Message:
         """The state from the next step on."""
         self.told = dataclasses.replace(state(self.simulator), status=status, message=message, recording=recording)
-        return state_message(self.told, self.start_ns)
+        return in_frame([state_message(self.told, self.start_ns)], self._frame)[0]
 
     def push(
         self, block: SampleBlock, summary: Summary, timing: Timing = UNPACED, *, recording: str = ""
@@ -97,11 +113,14 @@ class RunMessages:
             sensed=self._sensors.push(block),
             **vars(timing),
         )
-        return BlockMessages(states, [*chunk, *self._impacts(impacts)], events)
+        return BlockMessages(
+            in_frame(states, self._frame), in_frame([*chunk, *self._impacts(impacts)], self._frame), events
+        )
 
     def finish(self) -> list[Message]:
         """Impacts that have not ended at the end of the run, as far as they go, and the last samples of sensors."""
-        return [*sensor_messages(self._sensors.finish(), self.start_ns), *self._impacts(self.detector.finish())]
+        last = [*sensor_messages(self._sensors.finish(), self.start_ns), *self._impacts(self.detector.finish())]
+        return in_frame(last, self._frame)
 
     def _states(self, block: SampleBlock, timing: Timing, recording: str) -> list[Message]:
         told, set_point = self.told, self.simulator.course.at(block.first_step).set_point

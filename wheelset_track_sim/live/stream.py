@@ -53,8 +53,13 @@ class Stream:
         deliver: Callable[[SampleBlock, Timing], None],
         ended: Callable[[Exception | None], None],
         clock: Clock | None = None,
+        steps: int | None = None,
     ) -> None:
-        """``clock`` paces the stream; without it, or as fast as possible, it is the machine's."""
+        """``clock`` paces the stream; without it, or as fast as possible, it is the machine's.
+
+        After so many ``steps`` the stream ends like a run.
+        """
+        self._left = steps
         self._clock = clock or SteadyClock()
         self._source, self._pace, self._deliver, self._ended = source, pace, deliver, ended
         self._stopping = False
@@ -90,9 +95,13 @@ class Stream:
         before = clock.now()
         while not self._stopping:
             steps = pace.steps(self._source.time, self._source.step_period)
+            if self._left is not None:
+                steps = min(steps, self._left)
             if steps == 0:
                 return
             block = self._source.advance(steps)
+            if self._left is not None:
+                self._left -= len(block)
             spans = len(block) * block.step_period
             end = block.time + spans
             while (wait := pacer.wait(end)) > 0 and pace is self._pace and not self._stopping:

@@ -74,7 +74,7 @@ def published_case(scenario: Scenario) -> LoadCase | None:
     paper = (
         math.isclose(scenario.speed, SPEED, rel_tol=1e-6)
         and math.isclose(scenario.axle_load, AXLE_LOAD, rel_tol=1e-6)
-        and not scenario.speed_plan
+        and not (scenario.speed_plan or scenario.events)
         and scenario.loads.none
         and (scenario.wheelset, scenario.track) == (load_wheelset("x40"), load_track("ballasted_60e1"))
     )

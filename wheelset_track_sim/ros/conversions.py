@@ -19,10 +19,10 @@ def message_type(kind: str) -> Any:
     return getattr(wheelset_track_msgs.msg, kind)
 
 
-def header(time: float, start_ns: int) -> Any:
+def header(time: float, start_ns: int, frame: str = FRAME) -> Any:
     """Header of what happens at a simulated ``time``, s; ``start_ns`` is the time stamp of step 0, ns."""
     seconds, nanoseconds = divmod(start_ns + round(time / NANOSECOND), 10**9)
-    return Header(stamp=Time(sec=seconds, nanosec=nanoseconds), frame_id=FRAME)
+    return Header(stamp=Time(sec=seconds, nanosec=nanoseconds), frame_id=frame)
 
 
 def diagnostics(statuses: Iterable[Status], node: str, stamp: Any) -> Any:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 import traceback
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
@@ -23,7 +27,7 @@ from ..live.revisions import Revisions
 from ..monitoring.status import recording_status
 from ..scenario import Scenario
 from ..scenario.values import values_of
-from ..simulation.changes import Revision
+from ..simulation.changes import Applied, OvertakenError, Revision
 from ..simulation.fleet import ModelPool
 from ..simulation.models import compile_for_changes
 from ..simulation.simulator import Simulator
@@ -33,11 +37,19 @@ from .lost_answers import LostAnswers
 from .monitoring import Monitoring
 from .outputs import Outputs
 from .parameters import Parameters
+from .position import Frames, PositionTopics
 from .run import NodeRun
 from .services import Services
+from .standard import StandardServices
 from .turns import in_turns
 
 NAME = "wheelset_track_sim"
+MOST_STEPS = 10**8
+"""Steps that are taken at a time at most: an hour of the run."""
+ANSWER_TIME = 1.0
+"""Time for the client to receive the answer before the node ends, s."""
+TOLD = 0.05
+"""Time between two reports of the steps that are done, s."""
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
@@ -68,7 +80,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._end = end
         self._models = models or ModelPool()
         self._transition = threading.RLock()
+        self._stepping = threading.Lock()
         self._interrupted = False
+        self._overtaken = False  # by an event, while parameters are set
         self._accepted = ""  # what to know of parameters that were set
         self._refusal: WheelsetTrackError | None = None
         self.parameters = Parameters(self)
@@ -78,9 +92,15 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.revisions = Revisions(scenario, self.parameters.follow, self._stop_if_interrupted)
         self.run: NodeRun | None = None
         """From configuring to cleaning up."""
+        self._configuring = False
+        self._steps: int | None = None  # after which the run stands still again
         self._bag: Path | None = None  # to be opened at step 0
         self._earliest_ns = 0  # time stamp of the next run: stamps do not go back
-        self._outputs = Outputs(self, self.parameters.decimation({}))
+        frames = Frames.of(self.get_fully_qualified_name(), self.parameters["frame_prefix"])
+        odometry, tf = self.parameters["publish_odometry"], self.parameters["publish_tf"]
+        position = PositionTopics(self, frames, odometry=odometry, tf=tf)
+        self._frame = frames.track
+        self._outputs = Outputs(self, self.parameters.decimation({}), frames.track, position)
         self.recorder = Recorder(self.get_fully_qualified_name(), self.get_logger().error)
         self._set_recorder(self.parameters.recording({}))
         lost = LostAnswers(self.get_logger())
@@ -88,6 +108,7 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             self, self.parameters, lambda: [recording_status(self.recorder.figures), lost.status()]
         )
         Services(self)
+        self._standard = StandardServices(self)
         answer_always(self)
         for service in self.services:
             lost.watch(service)
@@ -111,7 +132,11 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
 
     def on_configure(self, previous: LifecycleState) -> TransitionCallbackReturn:
         """Build or load the models and settle."""
-        return self._guarded(self._configure, previous)
+        self._configuring = True
+        try:
+            return self._guarded(self._configure, previous)
+        finally:
+            self._configuring = False
 
     def on_activate(self, previous: LifecycleState) -> TransitionCallbackReturn:
         """Stream, from where the run was paused."""
@@ -158,8 +183,13 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """As that of every node; no other change comes between the check of the values and the values themselves."""
         with self.revisions.lock:
-            self._accepted = ""
-            result = super().set_parameters_atomically(parameter_list)
+            if self.parameters.following:
+                return super().set_parameters_atomically(parameter_list)
+            self._overtaken = True
+            while self._overtaken:  # again if an event of the run comes between the check and the change
+                self.revisions.catch_up()
+                self._accepted, self._overtaken = "", False
+                result = super().set_parameters_atomically(parameter_list)
             if result.successful:
                 result.reason = self._accepted
             else:
@@ -180,6 +210,14 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self.get_logger().info(f"{by}: {told}")
         return told if self.run is not None else ""
 
+    def start_recording(self, name: str = "") -> tuple[Path, int]:
+        """Record to a bag of a name, or of date and time; its path and first step. Raises InputError."""
+        folder = self.parameters["record.directory"]
+        path = path_below(folder, name) if name else self.recorder.path_now(folder)
+        first_step = self.needed_run().start_recording(path)
+        self.get_logger().info(f"recording to {path} from step {first_step}")
+        return path, first_step
+
     def pause(self) -> str:
         """Deactivate; what to know about it. Raises InputError if there is nothing to pause."""
         return self._switch(self.trigger_deactivate, running=False)
@@ -187,6 +225,31 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def resume(self) -> str:
         """Activate; what to know about it. Raises InputError if there is nothing to resume."""
         return self._switch(self.trigger_activate, running=True)
+
+    def step(self, steps: int, told: Callable[[int], bool] = lambda done: True) -> tuple[int, int]:
+        """Run a paused node for so many steps, as fast as possible; returns the first step and the next one.
+
+        ``told`` is called now and then with the steps that are done; if it returns False, the node pauses at once.
+        Raises InputError if there is no run, or it is not paused.
+        """
+        if not 1 <= steps <= MOST_STEPS:
+            raise InputError(f"{steps} steps are out of range: give from 1 to {MOST_STEPS}")
+        run = self.needed_run()
+        first = run.next_step
+        with self._stepping:
+            if run.running:
+                raise InputError("the node is running: pause it first")
+            self._steps = steps
+            try:
+                self._switch(self.trigger_activate, running=True)
+                while not run.stands_still(TOLD) and told(run.next_step - first):
+                    pass
+            finally:
+                self._steps = None
+                if run is self.run:
+                    self._switch(self.trigger_deactivate, running=False)
+                self._set_recorder(self.parameters.recording({}))
+        return first, run.next_step
 
     def reset(self) -> str:
         """Begin a new run from step 0 with the scenario accepted last, in the state at hand; what to know about it.
@@ -225,6 +288,28 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         else:
             self.needed_run().stand("reset, not active")
 
+    def load(self, scenario: Scenario) -> None:
+        """Clean up, and configure with another scenario; raises WheelsetTrackError if that fails."""
+        if self.run is not None:
+            self.unload()
+        self.revisions.begin(scenario)
+        self._make(self.trigger_configure)
+
+    def unload(self) -> None:
+        """Clean up, from any state that has a run; raises InputError if there is none."""
+        if self.needed_run().running:
+            self._make(self.trigger_deactivate)
+        self._make(self.trigger_cleanup)
+
+    def quit(self) -> None:
+        """End the node when who asked for it has the answer."""
+        Timer(ANSWER_TIME, self._end, [None]).start()
+
+    @property
+    def configuring(self) -> bool:
+        """Whether models are being loaded or built."""
+        return self._configuring
+
     def needed_run(self) -> NodeRun:
         """The run; raises InputError if there is none."""
         if self.run is None:
@@ -234,13 +319,17 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
     def _switch(self, trigger: Callable[[], TransitionCallbackReturn], *, running: bool) -> str:
         if self.needed_run().running == running:
             return "running already" if running else "paused already"
+        self._make(trigger)
+        return ""
+
+    def _make(self, trigger: Callable[[], TransitionCallbackReturn]) -> None:
+        """Make a transition; raises WheelsetTrackError if it cannot be made."""
         try:
             done = trigger() == SUCCESS
         except Exception:  # noqa: BLE001  of the state machine: another has begun a transition
             raise InputError("the node is changing its state: try again") from None
         if not done:
             raise self._refusal or InputError("the node did not change its state: see its log")
-        return ""
 
     def _guarded(self, step: Callable[[Any], None], previous: LifecycleState) -> TransitionCallbackReturn:
         """Run one transition: an expected error is logged in one line and fails it, any other with its traceback."""
@@ -294,7 +383,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact
-        run = NodeRun(simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts)
+        run = NodeRun(
+            simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts, self._on_event, self._frame
+        )
         run.messages.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 
@@ -328,6 +419,10 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
                 self.recorder.take(self.recorder.open(self._bag, run.simulator, run.start_ns))
             self._bag = None
         simulator, path = run.simulator, self.recorder.path
+        if self._steps is not None:  # by itself it would follow the clock
+            self.recorder.patient = True
+            run.go_on(dataclasses.replace(self._pace, real_time_factor=0.0), self._steps)
+            return
         self.get_logger().info(
             f"streaming {simulator.scenario.name} from step {simulator.next_step} at {simulator.speed:g} m/s"
             + (f", recording to {path}" if path else "")
@@ -368,6 +463,23 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         if failure is None or self._pace.duration > 0 or not isinstance(failure, WheelsetTrackError):
             self._end(failure)
 
+    def _on_event(self, applied: Applied) -> None:
+        """In the stream's thread: an event has happened; do what it asks of the node, and show what it has changed."""
+        event, revision, log = applied.event, applied.revision, self.get_logger()
+        assert event is not None
+        log.info(f"{event} ({', '.join(event.what)}): revision {revision.number} from step {revision.step}")
+        try:
+            if event.record == "start":
+                self.start_recording()
+            elif event.record == "stop":
+                self.needed_run().end_recording().add_done_callback(partial(_tell, log, "recorded"))
+            if event.snapshot:
+                self.needed_run().begin_snapshot().add_done_callback(partial(_tell, log, "took the snapshot"))
+        except WheelsetTrackError as refusal:
+            log.warning(f"{event} is rejected: {refusal}")
+        if self.executor is not None:
+            self.executor.create_task(self.revisions.catch_up)
+
     def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         """All or nothing: one call is one revision."""
         if self.parameters.following:
@@ -379,6 +491,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             recording = self.parameters.recording(changes)
             before = self.revisions.scenario
             revision = self.revisions.change(lambda scenario: self.parameters.changed(changes, scenario))
+        except OvertakenError as reason:
+            self._overtaken = True
+            return SetParametersResult(successful=False, reason=str(reason))
         except WheelsetTrackError as refusal:  # a value out of range, or a defect without a contact law
             return SetParametersResult(successful=False, reason=str(refusal))
         if changes.keys() & values_of(before):
@@ -407,3 +522,11 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             raise InputError(
                 "use_sim_time cannot change during a run, whose time stamps must continue: clean up the node first"
             )
+
+
+def _tell(log: Any, what: str, done: Future[Any]) -> None:
+    """Log what has been written in the meantime, or why it has not."""
+    try:
+        log.info(f"{what} {done.result()}")
+    except WheelsetTrackError as refusal:
+        log.warning(str(refusal))

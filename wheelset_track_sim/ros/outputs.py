@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..bags.messages import SENSORS, Message, sample_messages, stress_topic
+from ..bags.messages import FRAME, SENSORS, Message, in_frame, sample_messages, stress_topic
 from ..bags.topics import DEPTH, LATCHED_TOPICS
 from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
@@ -17,6 +17,7 @@ from ..sensors.acquisition import TRUE
 from ..sensors.kinds import Sensor
 from .acknowledged import wait_for_subscribers
 from .conversions import message_type
+from .position import Motion, PositionTopics
 
 
 class Outputs:
@@ -26,8 +27,11 @@ class Outputs:
     every step. True values of sensors are recorded and not published.
     """
 
-    def __init__(self, node: Node, decimation: Mapping[str, int]) -> None:
-        """For ``node``; nothing is published before ``create``."""
+    def __init__(
+        self, node: Node, decimation: Mapping[str, int], frame: str = FRAME, position: PositionTopics | None = None
+    ) -> None:
+        """For ``node``; nothing is published before ``create``. ``frame`` is that of all headers."""
+        self._frame, self._position = frame, position
         self.decimation = decimation
         """Steps from sample to sample by topic, from the next chunk on; a filter that changes starts anew."""
         self._node = node
@@ -53,6 +57,8 @@ class Outputs:
             # The state is told while the node is inactive too.
             make = self._node.create_publisher if latched else self._node.create_lifecycle_publisher
             self._publishers[topic] = make(message_type(kind), f"~/{topic}", quality)
+        if self._position is not None:
+            self._position.create()
 
     def publish_chunk(self, block: SampleBlock, messages: Iterable[Message], start_ns: int) -> None:
         """Publish a chunk, whose ``messages`` are at full rate; ``start_ns`` is the time stamp of step 0, ns."""
@@ -66,6 +72,11 @@ class Outputs:
         for topic, decimator in self._decimators.items():
             needed = _forces_of(block) if topic == "contact_forces" else block
             self._publish_decimated(topic, decimator.push(needed))
+
+    def publish_position(self, motion: Motion, start_ns: int) -> None:
+        """Publish where the wheelset is, if that is asked for."""
+        if self._position is not None:
+            self._position.publish(motion, start_ns)
 
     def finish(self) -> None:
         """Publish what the filters hold back, at the end of a run."""
@@ -87,6 +98,8 @@ class Outputs:
             else:
                 self._node.destroy_lifecycle_publisher(publisher)
         self._publishers.clear()
+        if self._position is not None:
+            self._position.destroy()
 
     def _factor(self, topic: str) -> int:
         return self._decimators[topic].factor if topic in self._decimators else 1
@@ -97,7 +110,8 @@ class Outputs:
 
     def _publish_decimated(self, topic: str, blocks: Iterable[SampleBlock]) -> None:
         for block in blocks:
-            self.publish(message for message in sample_messages(block, self._start_ns) if _family(message) == topic)
+            messages = in_frame(sample_messages(block, self._start_ns), self._frame)
+            self.publish(message for message in messages if _family(message) == topic)
 
 
 def _forces_of(block: SampleBlock) -> SampleBlock:

@@ -30,6 +30,9 @@ START_UP = {
     "record.directory": ("recordings", "Folder in which bags are written"),
     "record.name": ("", "Name of the bag in record.directory; empty: made from date and time"),
     "record.on_start": (False, "Record from the start of the run on"),
+    "frame_prefix": ("", "Prefix of frame_id; empty: the name of the node, and none if that is wheelset_track_sim"),
+    "publish_odometry": (False, "Publish the position of the wheelset on odometry, once a chunk; needs nav_msgs"),
+    "publish_tf": (False, "Publish the transforms map, track, wheelset on /tf and /tf_static; needs tf2_msgs"),
     "publish_clock": (False, "Publish the time of the run on /clock, for nodes with use_sim_time"),
     "prometheus.address": ("127.0.0.1", "Address on which metrics are served; 0.0.0.0 is all of this machine"),
 }

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..bags.messages import Message
+from ..bags.messages import FRAME, Message
 from ..errors import InputError, RecordingError
 from ..live.pacing import Pace
 from ..live.recorder import Recorder
@@ -17,11 +19,13 @@ from ..live.stream import Stream, Timing
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
 from ..samples.summary import summarise
+from ..simulation.changes import Applied
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
 from .clock import NodeClock
 from .monitoring import Monitoring
 from .outputs import Outputs
+from .position import Motion
 
 
 class NodeRun:
@@ -40,14 +44,24 @@ class NodeRun:
         log: Any,
         ended: Callable[[Exception | None], None],
         impacts: ImpactSettings | None = None,
+        happened: Callable[[Applied], None] = lambda applied: None,
+        frame: str = FRAME,
     ) -> None:
-        """``ended`` is called in the stream's thread if the run ends or fails; ``impacts`` defines an impact."""
+        """``ended`` is called in the stream's thread if the run ends or fails; ``impacts`` defines an impact.
+
+        ``happened`` is called there for each event, before the chunk that it begins with is delivered.
+        """
         self.simulator = simulator
         self.contacts = Contacts()
-        self.messages = RunMessages(simulator, impacts=impacts)
+        self.messages = RunMessages(simulator, impacts=impacts, frame=frame)
+        self.frame = frame
+        """Frame of all headers."""
         self._outputs, self._monitoring, self._recorder, self._log = outputs, monitoring, recorder, log
-        self._clock, self._ended = clock, ended
+        self._clock, self._ended, self._happened = clock, ended, happened
+        self._seen = simulator.revision  # newest revision whose event has been handed to ``happened``
         self._stream: Stream | None = None
+        self._still = threading.Event()
+        self._still.set()
         self._next_step = simulator.next_step
         self._over = False  # no message is published any more
         self._lock = threading.RLock()  # held from the first to the last message of a chunk
@@ -72,12 +86,19 @@ class NodeRun:
         """End of the last sample, ns."""
         return self.start_ns + round(self.simulator.course.time_of(self._next_step) * 1e9)
 
-    def go_on(self, pace: Pace) -> None:
-        """Stream from the next step on."""
+    def go_on(self, pace: Pace, steps: int | None = None) -> None:
+        """Stream from the next step on; after so many ``steps`` stand still, until ``pause``."""
         self._hand_out_state(RUNNING)
         self._monitoring.run()
-        self._stream = Stream(self.simulator, pace, self._deliver, self._on_end, self._clock)
+        self._still.clear()
+        last = None if steps is None else self._next_step + steps
+        ended = partial(self._on_end, last)
+        self._stream = Stream(self.simulator, pace, self._deliver, ended, self._clock, steps)
         self._stream.start()
+
+    def stands_still(self, patience: float | None = None) -> bool:
+        """Wait until the stream has ended, by itself or by others, or until ``patience`` s are over; whether it has."""
+        return self._still.wait(patience)
 
     def set_pace(self, pace: Pace) -> None:
         """Another pace, from the next chunk on."""
@@ -127,23 +148,38 @@ class NodeRun:
 
     def take_snapshot(self) -> Path:
         """Write the latest messages; returns where. Raises InputError or RecordingError."""
-        return self._recorder.bag.snapshot().result()
+        return self.begin_snapshot().result()
+
+    def begin_snapshot(self) -> Future[Path]:
+        """Write the latest messages without waiting; the result is where. Raises InputError without a bag."""
+        return self._recorder.bag.snapshot()
 
     def stop_recording(self) -> str:
         """Close the bag, if one is open; returns its path. Raises RecordingError."""
+        return self.end_recording().result()
+
+    def end_recording(self) -> Future[str]:
+        """Close the bag without waiting; the result is its path, or RecordingError."""
         with self._lock:
             stopped = self._recorder.stop()
             self._repeat_state()
-        return stopped.result()
+        return stopped
 
     def _stop(self) -> None:
         stream, self._stream = self._stream, None
         if stream is not None:
             stream.stop()
+        self._still.set()
 
     def _deliver(self, block: SampleBlock, timing: Timing) -> None:
         """In the stream's thread: record and publish a chunk, and before it the state if it has changed."""
         summary = summarise(block)
+        if block.revision != self._seen:
+            newer = [each for each in self.simulator.history if self._seen < each.revision.number <= block.revision]
+            self._seen = block.revision
+            for each in newer:
+                if each.event is not None:
+                    self._happened(each)
         with self._lock:
             found = self.messages.push(block, summary, timing, recording=self._recorder.path)
             for state in found.states:
@@ -152,6 +188,7 @@ class NodeRun:
             self._clock.tell(self.end_ns)
             self._recorder.write(found.chunk)
             self._outputs.publish_chunk(block, found.chunk, self.start_ns)
+            self._outputs.publish_position(Motion.at(self.simulator, self._next_step), self.start_ns)
             self.contacts.push(self.simulator, block)
         self._monitoring.push(block, summary, found.events, timing)
 
@@ -175,8 +212,11 @@ class NodeRun:
         self._hand_out(self.messages.finish())
         self._outputs.finish()
 
-    def _on_end(self, failure: Exception | None) -> None:
-        """In the stream's thread: the run ends, or the simulation fails."""
+    def _on_end(self, last: int | None, failure: Exception | None) -> None:
+        """In the stream's thread: the run ends, the simulation fails, or the step ``last`` is reached."""
+        self._still.set()
+        if failure is None and last is not None and self._next_step >= last:
+            return
         self._finish()
         if failure is not None:
             self._log.error(f"the simulation stopped: {failure!r}")

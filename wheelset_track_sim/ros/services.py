@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 import traceback
 from array import array
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any, Protocol
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -13,19 +16,30 @@ from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
-from wheelset_track_msgs.srv import GetContactPressure, SetIrregularities, SetSpeed, SetTreadDamage, StartRecording
+from wheelset_track_msgs.srv import (
+    GetContactPressure,
+    ScheduleEvents,
+    SetIrregularities,
+    SetSpeed,
+    SetTreadDamage,
+    StartRecording,
+    Step,
+)
 
 from ..errors import InputError, WheelsetTrackError
-from ..live.recorder import Recorder, path_below
+from ..live.recorder import Recorder
 from ..live.revisions import Revisions
 from ..scenario import Scenario
 from ..simulation.changes import Revision
+from ..simulation.speed import NEARLY
 from .answers import Answer, served
 from .conversions import header
 from .parameters import Parameters
 from .run import NodeRun
 from .turns import REQUESTS
 
+FARTHEST = 1e5
+"""Distance of a step at most, m."""
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
 
@@ -47,12 +61,20 @@ class Controlled(Protocol):
         """Log a change that was accepted."""
         ...
 
+    def start_recording(self, name: str) -> tuple[Path, int]:
+        """Record to a bag of a name; its path and first step. Raises InputError."""
+        ...
+
     def pause(self) -> str:
         """Deactivate the node; raises InputError if there is nothing to pause."""
         ...
 
     def resume(self) -> str:
         """Activate the node; raises InputError if there is nothing to resume."""
+        ...
+
+    def step(self, steps: int) -> tuple[int, int]:
+        """Run the paused node for so many steps; the first one and the next one. Raises InputError if it runs."""
         ...
 
     def reset(self) -> str:
@@ -75,19 +97,20 @@ class Controlled(Protocol):
 class Services:
     """Servers and subscriptions of one node; each answers, whatever happens.
 
-    Changes have a callback group, recordings and transitions have one, and the contact pressure has one: none waits for
-    another, and within each requests are answered in the order of arrival (``turns``). Of each command topic the newest
-    message counts.
+    Changes have a callback group, recordings and transitions have one, and so have steps and the contact pressure: none
+    waits for another, and within each requests are answered in the order of arrival (``turns``). Of each command topic
+    the newest message counts.
     """
 
     def __init__(self, node: Controlled) -> None:
         """For ``node``, as long as it lives."""
         self._node, log = node, node.get_logger()
-        switching, asking, commanding = (MutuallyExclusiveCallbackGroup() for _ in range(3))
+        switching, asking, commanding, stepping = (MutuallyExclusiveCallbackGroup() for _ in range(4))
         for kind, name, answer, group in (
             (SetTreadDamage, "set_tread_damage", self._set_tread_damage, node.changing),
             (SetIrregularities, "set_irregularities", self._set_irregularities, node.changing),
             (SetSpeed, "set_speed", self._set_speed, node.changing),
+            (ScheduleEvents, "schedule_events", self._schedule_events, node.changing),
             (StartRecording, "start_recording", self._start_recording, switching),
             (Trigger, "stop_recording", self._stop_recording, switching),
             (Trigger, "split_recording", self._split_recording, switching),
@@ -95,6 +118,7 @@ class Services:
             (Trigger, "pause", lambda _: {"message": node.pause()}, switching),
             (Trigger, "resume", lambda _: {"message": node.resume()}, switching),
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
+            (Step, "step", self._step, stepping),
             (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
         ):
             answered = partial(served, log, name, answer)
@@ -131,6 +155,13 @@ class Services:
     def _set_speed(self, request: Any) -> Answer:
         return self._changed("set_speed", lambda: self._node.revisions.speed(request.speed, request.acceleration))
 
+    def _schedule_events(self, request: Any) -> Answer:
+        node = self._node
+        folder = node.parameters["profiles.directory"]
+        return self._changed(
+            "schedule_events", lambda: node.revisions.schedule(request.events, folder, replace=request.replace)
+        )
+
     def _changed(self, by: str, change: Callable[[], Revision]) -> Answer:
         """Revision and step of a change, which is logged; if it is rejected, those of the newest one with the reason.
 
@@ -146,13 +177,11 @@ class Services:
 
     def _start_recording(self, request: Any) -> Answer:
         node = self._node
-        run, folder = node.needed_run(), node.parameters["record.directory"]
-        path = path_below(folder, request.name) if request.name else node.recorder.path_now(folder)
+        node.needed_run()
         try:
-            first_step = run.start_recording(path)
+            path, first_step = node.start_recording(request.name)
         except InputError as refusal:
             return {"success": False, "message": str(refusal), "path": node.recorder.path}
-        node.get_logger().info(f"recording to {path} from step {first_step}")
         return {"path": str(path), "first_step": first_step}
 
     def _stop_recording(self, request: Any) -> Answer:
@@ -169,6 +198,31 @@ class Services:
         path = self._node.needed_run().take_snapshot()
         self._node.get_logger().info(f"took the snapshot {path}")
         return {"message": str(path)}
+
+    def _step(self, request: Any) -> Answer:
+        steps = self._steps_of(request)
+        first, following = self._node.step(steps)
+        done = following - first
+        missing = "" if done >= steps else f"{done} of {steps} steps were taken: the run ended, or was paused"
+        return {"success": not missing, "message": missing, "first_step": first, "next_step": following}
+
+    def _steps_of(self, request: Any) -> int:
+        """Steps that are asked for."""
+        given = [name for name in ("steps", "chunks", "distance") if getattr(request, name)]
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} are given: give one of steps, chunks and distance")
+        simulator = self._node.needed_run().simulator
+        if request.steps:
+            return int(request.steps)
+        if request.distance:
+            if not 0 < request.distance <= FARTHEST:
+                raise InputError(
+                    f"distance = {request.distance:g} m is out of range: give above 0, up to {FARTHEST:g} m"
+                )
+            return math.ceil(float(request.distance) / simulator.in_force.step_length - NEARLY)
+        chunk = dataclasses.replace(self._node.parameters.pace({}), duration=0.0)
+        chunks: int = max(1, request.chunks)
+        return chunks * chunk.steps(simulator.time, simulator.step_period)
 
     def _get_contact_pressure(self, request: Any) -> Answer:
         run = self._node.needed_run()
@@ -188,7 +242,7 @@ class Services:
             self._node.get_logger().warning(f"wheel_{request.wheel} at step {instant.contact.step}: {patch.flag}")
         rows, columns = patch.pressure.shape
         return {
-            "header": header(instant.time, run.start_ns),
+            "header": header(instant.time, run.start_ns, run.frame),
             "step": instant.contact.step,
             **{name: getattr(instant, name) for name in ("time", "speed", "position", "revision", "angle")},
             "approach": patch.approach,

@@ -79,6 +79,8 @@ def _busy(kind: Any, request: Any, response: Any) -> Any:
         response.results = [SetParametersResult(successful=False, reason=BUSY) for _ in request.parameters]
     elif kind is SetParametersAtomically:
         response.result = SetParametersResult(successful=False, reason=BUSY)
-    else:
+    elif hasattr(response, "success"):
         response.success, response.message = False, BUSY
+    else:  # of simulation_interfaces
+        response.result.result, response.result.error_message = response.result.RESULT_OPERATION_FAILED, BUSY
     return response

@@ -9,9 +9,11 @@ from typing import Any
 from ..contact.named_profiles import with_points
 from ..errors import InputError
 from ..inputs import shipped
+from ..inputs.dotted import put
 from ..inputs.schema import read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
 from ..inputs.yaml12 import parse
+from .events import plain_brought
 from .meaning import quantity_at
 from .scenario import TRACK, WHEELSET, Scenario
 
@@ -108,25 +110,19 @@ def assign(data: dict[str, Any], key: str, value: Any, where: str = "") -> None:
             data[model] = load_yaml(f"{model}s", named)
         elif named is None:
             data.pop(model, None)
-    *path, last = key.split(".")
-    place: Any = data
-    for depth, part in enumerate(path):
-        place = _entry(place, part, where + ".".join(path[: depth + 1]))
-    if isinstance(place, list):
-        place[_index(place, last, where + key)] = value
-    elif isinstance(place, dict):
-        place[last] = value
-    else:
-        raise InputError(f"{where}{key}: {'.'.join(path)} has no entries")
+    put(data, key, value, where)
 
 
 def _find_all_beside(data: dict[str, Any], folder: Path) -> None:
     """Give the files that a scenario names, and that are beside it, by their path from here."""
     places: list[tuple[Any, str]] = [*((data, model) for model in MODELS), (data.get("track"), "base")]
-    profiles, irregularities = data.get("profiles"), data.get("irregularities")
+    profiles, irregularities, events = data.get("profiles"), data.get("irregularities"), data.get("events")
     for surface, profile in profiles.items() if isinstance(profiles, dict) else ():
         places += [(profiles, surface), (profile, "file")]
-    places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
+    items = [*irregularities] if isinstance(irregularities, list) else []
+    for event in events if isinstance(events, list) else ():
+        items += plain_brought(event)
+    places += [(item, "file") for item in items]
     for place, key in places:
         if isinstance(place, dict):
             find_beside(place, key, folder)
@@ -151,17 +147,3 @@ def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
 def _names_file(path: Path) -> bool:
     """Whether a name means a file: one that exists, or that would be one by its suffix."""
     return path.suffix.lower() in (".yaml", ".yml", ".npz") or path.is_file()
-
-
-def _entry(place: Any, part: str, where: str) -> Any:
-    if isinstance(place, list):
-        return place[_index(place, part, where)]
-    if isinstance(place, dict):
-        return place.setdefault(part, {})
-    raise InputError(f"{where} is a single value: give the key of a list or mapping")
-
-
-def _index(place: list[Any], part: str, where: str) -> int:
-    if not part.isdigit() or int(part) >= len(place):
-        raise InputError(f"{where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)")
-    return int(part)

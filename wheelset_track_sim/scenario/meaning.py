@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import typing
-from dataclasses import fields, is_dataclass
-from typing import Any
-
 from ..inputs.schema import Quantity
-from ..irregularities.kinds import kind_named, known_kinds
+from .quantities import quantity_within
 from .scenario import Scenario
 
 
@@ -19,31 +15,4 @@ def meaning_of(key: str) -> tuple[str, str]:
 
 def quantity_at(key: str) -> Quantity | None:
     """Quantity of a dotted scenario key; None if it is none. Of several kinds of irregularities, that of the last."""
-    owners: list[type] = [Scenario]
-    found: Quantity | None = None
-    for part in key.split("."):
-        inner: list[type] = []
-        for owner in owners:
-            if part.isdigit():
-                inner.append(owner)
-            for field in fields(owner):
-                if field.name == part:
-                    found = field.metadata.get("quantity", found)
-                    inner += _kinds() if part == "irregularities" else _dataclasses(_hint(owner, part))
-        owners = inner
-    return found
-
-
-def _kinds() -> list[type]:
-    return [kind_named(name).factory for name in known_kinds()]
-
-
-def _hint(owner: type, name: str) -> Any:
-    return typing.get_type_hints(owner)[name]
-
-
-def _dataclasses(hint: Any) -> list[type]:
-    """Dataclasses that stand anywhere in a type hint."""
-    if isinstance(hint, type) and is_dataclass(hint):
-        return [hint]
-    return [found for part in typing.get_args(hint) for found in _dataclasses(part)]
+    return quantity_within([Scenario], key.split("."))

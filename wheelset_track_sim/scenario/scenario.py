@@ -26,6 +26,7 @@ from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, primary_suspension, read_wheelset
 from ..wheelset.vehicle import Vehicle, plain_vehicle, read_vehicle
 from .contact import ContactOptions
+from .events import USUAL_LOAD, USUAL_SPEED, Event, check_events, plain_events, read_events
 from .loads import Loads
 from .profiles import Profiles
 
@@ -39,8 +40,6 @@ PAPER_BAND = 2500.0
 LAG_ZERO = {"causal": ("residual", "wheel_residual", "zero"), "paper": ("printed", "zero", "folded")}
 """Variants of each dynamics at lag zero, the default first."""
 
-USUAL_SPEED = (5.0, 65.0)
-"""Speeds that are not doubted when they are given without a unit, m/s: up to 234 km/h."""
 MIDDLE = np.zeros(1)
 
 
@@ -90,7 +89,7 @@ class Scenario:
     name: str
     speed: float = quantity("m/s", 5.0, 100.0, "the running speed", usual=USUAL_SPEED)
     """At the start; changed during a run, the speed that is approached from then on."""
-    axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together", usual=(4e4, 4e5))
+    axle_load: float = quantity("N", 2e4, 4e5, "the static load on both wheels together", usual=USUAL_LOAD)
     dynamics: Literal["causal", "paper"] = "causal"
     """``causal``: modal state space, which streams; ``paper``: Green's functions as printed, the reference."""
     wheelset: AnyWheelset = parsed(read_wheelset, plain_wheelset, default_factory=partial(load_wheelset, WHEELSET))
@@ -122,6 +121,8 @@ class Scenario:
     """Up and down. The default is what passenger trains do in ordinary service; an emergency brake has 1 to 2.5."""
     speed_plan: tuple[SetPoint, ...] = ()
     """Set points of the speed in the order of their times; a change of ``speed`` during the run ends the plan."""
+    events: tuple[Event, ...] = parsed(read_events, plain_events, default=())
+    """What changes over the run, in its order; of a scenario in force, what is still to come."""
     step_length: float = quantity("m", 2e-4, 2e-3, "the length of a step and of a contact element", default=1e-3)
 
     settle_on: Literal["surfaces", "smooth"] = "surfaces"
@@ -162,6 +163,8 @@ class Scenario:
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)
         rolling_surfaces(self.irregularities, self.geometry, dx, around, along)
+        if self.events:
+            check_events(self)
 
     @property
     def wheel_load(self) -> float:
@@ -192,6 +195,11 @@ class Scenario:
     def settles_on_surfaces(self) -> bool:
         """Whether the wheels run on the irregularities of the scenario before step 0."""
         return self.settle_on == "surfaces" and self.dynamics == "causal"
+
+    @property
+    def all_irregularities(self) -> tuple[Irregularity, ...]:
+        """Irregularities, and those that events bring."""
+        return (*self.irregularities, *(item for event in self.events for item in event.brought))
 
     @property
     def geometry(self) -> ContactGeometry:
@@ -230,6 +238,17 @@ class Scenario:
     def digest(self) -> str:
         """Digest of all that the scenario says; names of shipped models count as names."""
         return digest(self.to_mapping())
+
+    def check_change(self, new: Scenario) -> None:
+        """Raise InputError if ``new``, of the same models, cannot follow this one during a run."""
+        if new.axle_load != self.axle_load and self.vehicle and self.vehicle.body_mass:
+            raise InputError(
+                "axle_load cannot change during a run with vehicle.body_mass, because the car body is that load: "
+                "start a new run, or leave body_mass out"
+            )
+        self.loads.check_change(new.loads)
+        if new.speed != self.speed and self.dynamics == "paper":
+            raise InputError(f"speed cannot change in {self.dynamics} dynamics: start a new run, or use causal")
 
     def _check_vehicle(self) -> None:
         if self.vehicle is None:

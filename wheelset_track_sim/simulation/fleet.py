@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
+WAITING = "wait for the models that another wheelset builds"
+"""Stage of progress."""
+
+
 class ModelPool:
     """Models in use: each is built once for all that run on it, and freed with the last of them."""
 
@@ -36,6 +40,8 @@ class ModelPool:
         key = digest(kept)
         with self._lock:
             building = self._building.setdefault(key, threading.Lock())
+        if progress is not None and building.locked():
+            progress(WAITING, 0.0)
         with building:
             models = self._models.get(key)
             if models is None:

@@ -33,7 +33,8 @@ class Slow(NamedTuple):
 
 def warn_of_limits(scenario: Scenario, reduced: ReducedWheelset) -> None:
     """Issue an InputWarning for what the models of a scenario do not hold at its lowest speed."""
-    speed = min([scenario.speed, *(point.speed for point in scenario.speed_plan)])
+    events = [event.speed for event in scenario.events if event.speed is not None]
+    speed = min([scenario.speed, *(point.speed for point in scenario.speed_plan), *events])
     _warn_of_steps(scenario, speed)
     vehicle = scenario.vehicle
     if vehicle is None:

@@ -65,6 +65,8 @@ class Passages:
     ) -> None:
         if scenario.speed_plan:
             raise InputError("speed_plan has no place in a passage: give speed")
+        if scenario.events:
+            raise InputError("events have no place in a passage: leave them out")
         half = BAYS / 2 * scenario.track.spacing
         before, after = (half if given is None else given for given in (before, after))
         self.scenario, dx = dataclasses.replace(scenario, settle_on="surfaces"), scenario.step_length

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import math
+from contextlib import suppress
 from functools import partial
 from typing import cast
 
@@ -16,19 +17,21 @@ from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
-from ..scenario import Scenario
+from ..scenario import Event, Scenario
 from ..sensors.kinds import rows_of
 from ..wheelset.around import Around
 from ..wheelset.reduced import COMPONENTS
-from .changes import Applied, Changes, Condition, Revision
+from .agenda import after, next_due, next_step, rehearsed, step_of
+from .changes import Applied, Changes, Condition, OvertakenError, Revision
 from .coupled import AHEAD, Coupled
 from .instants import Contact
+from .laws_ahead import LawsAhead
 from .limits import warn_of_limits
 from .models import Models, load_models
 from .passage import passage
 from .preload import Loading
 from .settling import SETTLING, Settled, Settling, settle
-from .speed import Course, Stretch
+from .speed import Course, Stretch, course_of
 from .superposition import Superposition, followed, superposition
 
 CHANGEABLE = (
@@ -41,9 +44,12 @@ CHANGEABLE = (
     "line_length",
     "loads",
     "settle_on",
+    "events",
 )
 """Scenario keys that may change during a run; the models do not depend on them."""
 
+LEAD = 10.0
+"""Time before an event at which the contact of its surfaces begins to be worked out, s."""
 REMEMBERED = 10_000
 """Changes that a run remembers, the latest: some 2 kB each."""
 
@@ -102,9 +108,11 @@ class Simulator:
         if not begun:
             fade = partial(self._models.fade_law, dataclasses.replace(scenario, irregularities=()), scenario)
             self._changes.add(scenario, law, preload, fade, number=0)
-        self._course = Course((self._start,), scenario.step_length).redirected(
-            self._start.step, self._start.set_point, scenario.acceleration, scenario.speed_plan
-        )
+        self._course = course_of(scenario, self._start)
+        self._laws = LawsAhead(self._models)
+        self._coming: Event | None = None  # whose surfaces have been given to be worked out
+        for coming in rehearsed(scenario, self._course):
+            self._superposed(coming)
         self._first = first
         self._history: tuple[Applied, ...] = (Applied(revision, scenario, self._start.set_point),)
 
@@ -162,6 +170,12 @@ class Simulator:
     def scenario(self) -> Scenario:
         """The scenario of the last accepted change, which may take effect a little later."""
         return self._changes.newest.scenario
+
+    @property
+    def accepted(self) -> tuple[Scenario, Revision]:
+        """The scenario as last accepted, and its revision."""
+        newest = self._changes.newest
+        return newest.scenario, newest.revision
 
     @property
     def changed_from(self) -> int:
@@ -247,7 +261,14 @@ class Simulator:
         return self._changes.in_force.law, float(approach)
 
     def apply(
-        self, scenario: Scenario, progress: Progress | None = None, *, not_before: int = 0, exactly: bool = False
+        self,
+        scenario: Scenario,
+        progress: Progress | None = None,
+        *,
+        not_before: int = 0,
+        exactly: bool = False,
+        base: Scenario | None = None,
+        event: Event | None = None,
     ) -> Revision:
         """Accept a changed scenario whole, or raise InputError and go on as before.
 
@@ -259,18 +280,36 @@ class Simulator:
         which then end their plans for good; without the plan in ``scenario`` it ends at an unchanged value, too. With
         ``exactly`` it does not wait for the contact patch, but takes effect at ``not_before``, where it has done so
         before.
+
+        Events of a run are changes, too: ``base`` is the scenario from which this change was made, and OvertakenError
+        is raised if it is not the one accepted last any more. ``event`` is what made the change. New ``events`` of the
+        scenario must not be in the past.
         """
-        newest = self._changes.newest
+        while True:
+            newest = self._changes.newest
+            if base is not None and newest.scenario is not base:
+                raise OvertakenError("another change came first: try again")
+            try:
+                return self._accept(newest, scenario, progress, not_before, exactly, event)
+            except OvertakenError:
+                if base is not None:
+                    raise
+
+    def _accept(
+        self,
+        newest: Condition,
+        scenario: Scenario,
+        progress: Progress | None,
+        not_before: int,
+        exactly: bool,
+        event: Event | None,
+    ) -> Revision:
+        """Accept a change of the condition ``newest``; raises OvertakenError if another one came first."""
         current = newest.scenario
         for field in dataclasses.fields(Scenario):
             if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
-        if scenario.axle_load != current.axle_load and self._models.vehicle and self._models.vehicle.body_mass:
-            raise InputError(
-                "axle_load cannot change during a run with vehicle.body_mass, because the car body is that load: "
-                "start a new run, or leave body_mass out"
-            )
-        current.loads.check_change(scenario.loads)
+        current.check_change(scenario)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards
         if scenario.speed_plan not in ((), self._plan):
             raise InputError(
@@ -278,16 +317,21 @@ class Simulator:
             )
         if scenario.speed != current.speed or not current.speed_plan:
             scenario = dataclasses.replace(scenario, speed_plan=())
-        if scenario.speed != current.speed and not self._models.dynamics.changes_speed:
-            raise InputError(f"speed cannot change in {current.dynamics} dynamics: start a new run, or use causal")
         shape, line = scenario.irregularities, scenario.line_length
         same = (shape, line) == (current.irregularities, current.line_length)
-        law = newest.law if same else self._models.contact_law(shape, progress, line)
+        due: list[int] = []
+        if event is None and scenario.events != current.events:
+            due = [step_of(each, scenario, self._course) for each in scenario.events if each not in current.events]
+            for coming in rehearsed(scenario, self._course):
+                self._superposed(coming)
+        law = newest.law if same else self._laws.law(shape, line, progress)
         if not same:
             self._prepare(newest.law, law)
         fade = partial(self._models.fade_law, current, scenario)
         preload = self._models.preload(scenario.wheel_load, scenario.speed)
-        return self._changes.add(scenario, law, preload, fade, not_before=not_before, exactly=exactly)
+        return self._changes.add(
+            scenario, law, preload, fade, base=newest, event=event, due=due, not_before=not_before, exactly=exactly
+        )
 
     def advance(self, steps: int) -> SampleBlock:
         """Simulate the next ``steps`` samples, or fewer if a change takes effect or the speed changes after them.
@@ -305,8 +349,12 @@ class Simulator:
         coupled = cast("Coupled", self._coupled)
         first = end = coupled.next_step
         while end == first:  # again for a change that was accepted between the two
+            self._happen()
             self._install_due()
-            end = self._changes.claim(min(first + steps, self._course.border(first)))
+            end = self._changes.claim(
+                min(first + steps, self._course.border(first)),
+                lambda scenario: max(first, next_step(scenario, self._course)),
+            )
         condition = self._changes.in_force
         scenario, on = condition.scenario, self._course.at(first)
         ahead = [stretch.speed for stretch in self._course.ahead(first)[:AHEAD]]
@@ -367,6 +415,20 @@ class Simulator:
         models = self._models
         return superposition(scenario.loads, models.wheelset, models.reduced, scenario.output.stress_nodes)
 
+    def _happen(self) -> None:
+        """Accept the changes of all events that are due, and have the contact of the next one worked out."""
+        while (due := next_due(base := self.scenario, self._course)) is not None:
+            here, event = self.next_step, due.event
+            if due.step > here:
+                if event is not self._coming and (due.step - here) * self.step_period < LEAD:
+                    self._coming = event
+                    coming = event.at(base, due.step)[0].get("irregularities", base.irregularities)
+                    if coming != base.irregularities:
+                        self._laws.begin(coming, base.line_length)
+                return
+            with suppress(OvertakenError):
+                self.apply(after(base, event, here, self._course), base=base, event=event)
+
     def _install_due(self) -> None:
         """Conditions that are due; course and loading from here on if they are others."""
         before, time = self.in_force, self.time
@@ -381,7 +443,8 @@ class Simulator:
                 self._superposition = followed(self._superposition, self._superposed(now), time, now.loads)
             before = now
             if condition.revision.number > self.history[-1].revision.number:
-                applied = Applied(condition.revision, now, self._course.at(self.next_step).set_point)
+                set_point = self._course.at(self.next_step).set_point
+                applied = Applied(condition.revision, now, set_point, condition.event)
                 self._history = (*self._history, applied)[-REMEMBERED:]
 
 

@@ -18,13 +18,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..scenario import SetPoint
+from ..scenario import Scenario, SetPoint
 
 LEVEL = 0.5
 """Distance of the levels, m/s. At a border the force changes by 3 N, of 98 kN and of a ripple of 1 to 7 kN at the
 sleepers. Against a staircase sixteen times as fine the force differs by 0.1 % of the static load (RMS) and 0.4 % (most)
 where it changes most with the speed, at 100 km/h, and by a third of that elsewhere."""
 
+NEARLY = 1e-6
+"""Steps by which a time may be rounded."""
 FAR = 2**62
 """A step that no run comes to."""
 
@@ -46,6 +48,10 @@ class Stretch:
         """Time of one of its steps since step 0, s; ``dx`` is the length of a step, m."""
         return self.time + (step - self.step) * (dx / self.speed)
 
+    def step_at(self, time: float, dx: float) -> int:
+        """First of its steps, if it went on for ever, at or after a time since step 0, s."""
+        return self.step + max(0, math.ceil((time - self.time) * self.speed / dx - NEARLY))
+
 
 @dataclass(frozen=True)
 class Course:
@@ -62,6 +68,13 @@ class Course:
     def time_of(self, step: int) -> float:
         """Time of a step since step 0, s."""
         return self.at(step).time_of(step, self.dx)
+
+    def step_at(self, time: float) -> int:
+        """First step at or after a time since step 0, s; the first step of all for earlier times."""
+        for on, following in pairwise(self.stretches):
+            if (step := on.step_at(time, self.dx)) <= following.step:
+                return step
+        return self.stretches[-1].step_at(time, self.dx)
 
     def border(self, step: int) -> int:
         """First step behind ``step`` with another speed or set point; ``FAR`` if there is none."""
@@ -93,6 +106,13 @@ class Course:
                 found.pop()
             found += [start, *ramp(start, acceleration, self.dx)]
         return Course(tuple(found), self.dx)
+
+
+def course_of(scenario: Scenario, start: Stretch | None = None) -> Course:
+    """The course of a run that ``start``s at step 0, or elsewhere, and to which nothing else happens."""
+    begin = start or Stretch(0, 0.0, scenario.speed, scenario.speed)
+    course = Course((begin,), scenario.step_length)
+    return course.redirected(begin.step, begin.set_point, scenario.acceleration, scenario.speed_plan)
 
 
 def ramp(start: Stretch, acceleration: float, dx: float) -> Iterator[Stretch]:

@@ -64,7 +64,7 @@ class Job:
         """
         scenario = dataclasses.replace(self.scenario, name="any")
         kept = [self.before, self.after, self.outputs, self.histories, self.pressures]
-        kinds = sorted({type(each).__module__ for each in scenario.irregularities})
+        kinds = sorted({type(each).__module__ for each in scenario.all_irregularities})
         return digest([program(), *map(sources.program, kinds), scenario, kept])
 
 
@@ -136,6 +136,7 @@ ANY: dict[str, Any] = {
     "speed": 25.0,
     "acceleration": 1.0,
     "speed_plan": (),
+    "events": (),
     "axle_load": 2e5,
     "irregularities": (),
     "line_length": None,

@@ -17,8 +17,8 @@ from ..scenario import WHEELS, Scenario, assign, change_of, scenario_from, suspe
 from ..scenario.values import first_breakout, quantity_named, values_of, with_values
 from ..simulation.speed import Stretch
 
-FIXED = ("name", "step_length")
-"""Keys that must stay, so that both runs have samples at the same places."""
+FIXED = ("name", "step_length", "events")
+"""Keys that must stay, so that both runs have samples at the same places, and the same changes."""
 
 
 class RecordedChange(NamedTuple):
@@ -88,7 +88,8 @@ def _change(bag: Bag, of: Input) -> RecordedChange:
         if isinstance(stated, dict):
             data["contact"] = {"exact": True} | stated  # as runs were before there was a filter
         with recorded_input():
-            return RecordedChange(of.revision, of.step, scenario_from(data))
+            # What events have changed is recorded at its step: they do not happen a second time.
+            return RecordedChange(of.revision, of.step, dataclasses.replace(scenario_from(data), events=()))
     except InputError as refusal:
         raise RecordingError(
             f"{bag.path}: scenario of revision {of.revision} cannot be used here ({refusal})"
