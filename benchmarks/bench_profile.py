@@ -174,7 +174,7 @@ def test_two_axle_boxes(record: Measure, turn: Run) -> None:
 
     def share() -> dict[str, float]:
         without, both = np.array([(spent(0), spent(2)) for _ in range(400)]).min(axis=0)
-        return {"share": both / without - 1.0, "ns_a_step": 1e9 * (both - without) / STEPS}
+        return {"share": float(both / without - 1.0), "ns_a_step": float(1e9 * (both - without) / STEPS)}
 
     record(share)
 
