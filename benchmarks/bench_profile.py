@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -15,7 +16,7 @@ from wheelset_track_sim.contact.solutions import approach_for_force
 from wheelset_track_sim.runtime.one_core import one_core
 from wheelset_track_sim.samples.principal import maximum_principal
 from wheelset_track_sim.samples.summary import summarise
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.scenario import load_scenario, scenario_from
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import Models, load_models
 from wheelset_track_sim.simulation.simulator import Simulator
@@ -141,14 +142,41 @@ def test_coupled_step(measure: Measure, turn: Run, dynamics: Any) -> None:
     stress = np.empty((STEPS, len(dynamics.stress_direct)))
     first = iter(range(0, 10**9, STEPS))
 
-    origin = turn.models.tread_origin
-    preload, untabled = np.tile(turn.preload, (STEPS, 1)), np.zeros(3)
+    preload = np.tile(turn.preload, (STEPS, 1))
 
     def call() -> None:
-        solved = run(dynamics, turn.law, None, None, preload, origin, next(first), forces, stress, xi, untabled)
+        solved = stepped(turn, dynamics, preload, next(first), forces, stress, np.empty((STEPS, 0)), xi)
         assert solved == STEPS
 
     timed(measure, call)
+
+
+def stepped(turn: Run, dynamics: Any, preload: np.ndarray, first: int, *filled: np.ndarray) -> int:
+    """Take one turn of coupled steps from the step ``first`` on, which fill arrays; returns how many were solved."""
+    origin, untabled = turn.models.tread_origin, np.zeros(3)
+    return run(dynamics, turn.law, None, None, preload, origin, first, *filled, untabled)
+
+
+@group("profile")
+def test_two_axle_boxes(record: Measure, turn: Run) -> None:
+    """Share of the coupled step that acceleration at both boxes adds: turns with and without it by turns."""
+    plain = load_scenario("damage_wheel_1").to_mapping()
+    scenario = scenario_from({**plain, "sensors": [{"type": "axle_box_acceleration"}]})
+    dynamics = load_models(scenario).dynamics.start(scenario.wheel_load, 0, scenario.step_length, scenario.speed)
+    forces, xi = np.empty((STEPS, 2)), np.empty((STEPS, 2, 2))
+    stress, signals = np.empty((STEPS, len(dynamics.stress_direct))), np.empty((STEPS, 2))
+    preload, first = np.tile(turn.preload, (STEPS, 1)), iter(range(0, 10**9, STEPS))
+
+    def spent(rows: int) -> float:
+        start = time.process_time()
+        assert stepped(turn, dynamics, preload, next(first), forces, stress, signals[:, :rows], xi) == STEPS
+        return time.process_time() - start
+
+    def share() -> dict[str, float]:
+        without, both = np.array([(spent(0), spent(2)) for _ in range(400)]).min(axis=0)
+        return {"share": both / without - 1.0, "ns_a_step": 1e9 * (both - without) / STEPS}
+
+    record(share)
 
 
 @group("profile")

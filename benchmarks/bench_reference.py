@@ -10,7 +10,7 @@ import pytest
 from conftest import Measure, group
 from plain import Plain
 
-from wheelset_track_sim.contact.solutions import approach_for_force, solver
+from wheelset_track_sim.contact.solutions import approach_for_force, contact_filter, solver
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run
 from wheelset_track_sim.simulation.models import load_models
@@ -44,9 +44,8 @@ def settled() -> Callable[[str], Settled]:
     found = {}
     for name, place in PLACES.items():
         steps = place - first
-        out = np.empty((steps, 2)), np.empty((steps, len(models.dynamics.stress_rows))), np.empty((steps, 2, 2))
-        each = np.tile(preload, (steps, 1))
-        assert run(dynamics, smooth, solver(smooth), each, models.tread_origin, first, *out) == steps
+        out = np.empty((steps, 2)), np.empty((steps, len(models.dynamics.stress_rows)))
+        assert stepped(dynamics, smooth, np.tile(preload, (steps, 1)), models.tread_origin, first, *out) == steps
         here = dynamics._replace(past=dynamics.past.copy(), coming=dynamics.coming.copy(), done=dynamics.done.copy())
         found[name] = Settled(here, damaged, preload, models.tread_origin, place, scenario.step_period)
         first = place
@@ -56,10 +55,16 @@ def settled() -> Callable[[str], Settled]:
 def by_package(settled: Settled) -> tuple[np.ndarray, np.ndarray]:
     dynamics, law, preload, tread_origin, first, _ = settled
     dynamics = dynamics._replace(past=dynamics.past.copy(), coming=dynamics.coming.copy(), done=dynamics.done.copy())
-    forces, stress, xi = np.empty((STEPS, 2)), np.empty((STEPS, len(dynamics.stress))), np.empty((STEPS, 2, 2))
-    each = np.tile(preload, (STEPS, 1))
-    assert run(dynamics, law, solver(law), each, tread_origin, first, forces, stress, xi) == STEPS
+    forces, stress = np.empty((STEPS, 2)), np.empty((STEPS, len(dynamics.stress)))
+    assert stepped(dynamics, law, np.tile(preload, (STEPS, 1)), tread_origin, first, forces, stress) == STEPS
     return forces, stress
+
+
+def stepped(dynamics: Any, law: Any, preload: Any, tread_origin: int, first: int, forces: Any, stress: Any) -> int:
+    """Take coupled steps from ``first`` on; returns how many were solved."""
+    rest = np.empty((len(forces), 0)), np.empty((len(forces), 2, 2)), np.zeros(3)
+    origin, solving = tread_origin, (solver(law), contact_filter(law))
+    return run(dynamics, law, *solving, preload, origin, first, forces, stress, *rest)
 
 
 def by_plain(settled: Settled) -> tuple[np.ndarray, np.ndarray]:

@@ -63,6 +63,7 @@ def _merit(run: dict[str, Any]) -> float:
         ("in_a_second", 1),
         ("share_of_core", -1),
         ("ratio", -1),
+        ("processor_s", -1),
     ):
         if key in facts:
             return float(sense * facts[key])
@@ -285,6 +286,7 @@ def more(r: Results) -> str:
             )
             for run in costs
         ),
+        ("acceleration at both axle boxes, share of the coupled step", _share(r.fact("test_two_axle_boxes", "share"))),
         *(
             (
                 f"resident memory of the {MEMORY[what]} over an hour, first minute left out",
@@ -298,6 +300,10 @@ def more(r: Results) -> str:
 
 def _in_real_time(run: dict[str, Any]) -> str:
     return f"{number(run['in_real_time'], 0)} wheelsets in real time"
+
+
+def _share(found: float | None) -> str:
+    return "–" if found is None else f"{100 * found:.1f} %"
 
 
 def _span(r: Results, name: str) -> str:
@@ -385,6 +391,21 @@ def contact_filter(r: Results) -> str:
     return table(heads, rows)
 
 
+def lines(r: Results) -> str:
+    """Steps of bays against those of modes."""
+    rows = [
+        (run["case"], run["line_ns"], run["modes_ns"], number(run["ratio"], 1)) for run in r.facts("test_line_step[")
+    ]
+    return table(("case", "bays, ns", "modes, ns", "bays to modes"), rows)
+
+
+def changes(r: Results) -> str:
+    """Time of the processor for starts and changes."""
+    rows = [(f"start: {run['what']}", number(run["processor_s"], 2)) for run in r.facts("test_start[")]
+    rows += [(f"change: {run['kind']}", number(run["processor_s"], 2)) for run in r.facts("test_change[")]
+    return table(("", "s"), rows)
+
+
 SECTIONS: dict[str, Callable[[Results], str]] = {
     "machine": machine,
     "goals": goals,
@@ -393,6 +414,8 @@ SECTIONS: dict[str, Callable[[Results], str]] = {
     "reference": reference,
     "filter": contact_filter,
     "passages": passages,
+    "lines": lines,
+    "changes": changes,
     "scaling": scaling,
     "contact": contact,
     "rates": rates,

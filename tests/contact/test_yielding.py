@@ -236,5 +236,5 @@ def test_approach_for_a_force_of_a_contact_that_yields(tables):
 
 def test_a_force_beyond_what_yields_within_the_area_is_an_error():
     soft = law()._replace(hardness=1e8)
-    with pytest.raises(ContactError, match="does not bear 400000 N"):
+    with pytest.raises(ContactError, match="cannot carry 400000 N"):
         approach_for_force(soft, 0, 28, 0, 400e3)

@@ -156,6 +156,6 @@ def test_what_is_missing_is_warned_of(spectrum, missing):
 
 def test_levels_of_no_surface_are_warned_of():
     with pytest.warns(
-        InputWarning, match=r"spectrum has 40 dB re 1 um at a wavelength of 0\.005 m, which is 0\.02 of it"
+        InputWarning, match=r"spectrum has 40 dB re 1 um at a wavelength of 0\.005 m, which is 0\.02 of the wavelength"
     ):
         Roughness("rail_1", spectrum=((0.5, 40.0), (0.005, 40.0)))

@@ -45,7 +45,7 @@ LEADING_OUT = [
 def test_names_that_lead_out_are_refused(folder, name):
     (folder / "link").symlink_to(folder.parent / "secret")
     (folder / "loop").symlink_to("loop")
-    with pytest.raises(InputError, match=f"^name = .* leads out of {folder}"):
+    with pytest.raises(InputError, match=f"^name = .* points outside {folder}"):
         path_below(str(folder), name)
 
 

@@ -24,7 +24,9 @@ def kinds(make_block, make_state):
     """Type by topic of all that the node publishes below its name."""
     block = make_block(0, 10)
     messages = [*chunk_messages(block, 0), state_message(make_state(block), 0)]
-    return {message.topic: message.kind for message in messages} | {"impacts": "WheelImpact"}
+    sensors = {"axle_box_acceleration": "AxleBoxAcceleration", "suspension_force": "SuspensionForce"}
+    others = {"impacts": "WheelImpact", "sensor_summary": "SensorSummary", **sensors}
+    return {message.topic: message.kind for message in messages} | others
 
 
 def field_of(kinds, topic, path):

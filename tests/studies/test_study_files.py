@@ -119,7 +119,7 @@ def lines(**changes):
         ({"vary": {"track.sleeper.length": [1.2]}}, "rail_distance = 1.5 m is not below the sleeper length"),
         ({"vary": {"x": {"A": {"speed": 20}}, "speed": [30]}}, "vary changes speed along two axes"),
         ({"vary": [1]}, "vary = [1] is not a mapping"),
-        ({"set": {"lag_zero": "printed"}}, "lag_zero = printed is not of causal dynamics"),
+        ({"set": {"lag_zero": "printed"}}, "lag_zero = printed does not apply to causal dynamics"),
         ({"outputs": ["wheels.wheel_3.max_force"]}, "outputs.0 = 'wheels.wheel_3.max_force' is not a known output"),
         ({"outputs": ["nodes.D1.max_principal"]}, "did you mean nodes."),
         ({"outputs": []}, "outputs is missing"),

@@ -106,7 +106,7 @@ def _run(line: str) -> bool:
     elif program == "cp":
         shutil.copy(*arguments)
     elif program == f"{TOP}python":
-        runpy.run_path(arguments[0], run_name="__main__")
+        runpy.run_path(str(Path(arguments[0]).absolute()), run_name="__main__")  # workers import it by its path
     else:
         assert program == f"{TOP}wheelset-track-sim", f"{line}: not a command that can be run here"
         return main(arguments) == 0

@@ -5,6 +5,7 @@ axle. Under each wheel runs a rail on its pad on a sleeper on its ballast, stiff
 frequencies and static stresses are near to those of the X40, but nothing follows from geometry or a mesh.
 """
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from wheelset_track_sim.dynamics.causal import causal_model
 from wheelset_track_sim.scenario import Scenario, load_scenario, scenario_from
+from wheelset_track_sim.sensors.kinds import rows_of
 from wheelset_track_sim.simulation.models import Models
 from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.track.balance import HalfTrack, MovingTrack
@@ -21,6 +23,11 @@ FREQUENCIES = np.array([7.2, 9.6, 85.0, 206.0])  # Hz: bounce, roll, first and s
 DAMPING_RATIOS = np.array([0.15, 0.15, 0.01, 0.01])
 MODAL_MASSES = np.array([1943.0, 1460.0, 2000.0, 2000.0])  # kg
 LIFT = np.array([[1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [1.0, -1.0]])  # of wheel 1 and 2
+BOX = np.sqrt(MODAL_MASSES[1] / MODAL_MASSES[0]) * FREQUENCIES[1] / FREQUENCIES[0]
+"""Lift of the axle boxes in roll, by which both suspensions have one stiffness."""
+SUSPENSION = np.array([[1.0, 1.0], [BOX, -BOX], [0.0, 0.0], [0.0, 0.0]])
+MIDDLE = np.array([1.0, 0.0, -1.0, 0.0])
+"""Lift of the middle of the axle, a measuring point."""
 OF_MODES = np.array([0.9, 0.9, 0.08, 0.08])
 """Share of each mode in the static stress under equal or opposite loads."""
 STATIC = {"A1": (430.0, 240.0), "B1": (330.0, 310.0), "C1": (215.0, 390.0)}
@@ -56,7 +63,9 @@ def toy_wheelset() -> dict[str, Any]:
             "damping_ratios": DAMPING_RATIOS.tolist(),
             "modal_masses": MODAL_MASSES.tolist(),
             "lift": LIFT.tolist(),
+            "suspension": SUSPENSION.tolist(),
         },
+        "measuring_points": [{"name": "middle", "modal_lift": MIDDLE.tolist()}],
         "stress_nodes": nodes,
         "torque_places": [{"name": "gearbox", "y": 0.4}],
     }
@@ -79,16 +88,17 @@ def toy_half(places: int, ballast: float) -> HalfTrack:
     )
 
 
-def toy_scenario(*changes: str, like: str = "undamaged") -> Scenario:
+def toy_scenario(*changes: str, like: str = "undamaged", sensors: Sequence[Any] = ()) -> Scenario:
     """A shipped scenario with the toy wheelset, and ``changes`` as on the command line."""
-    return scenario_from({**load_scenario(like, changes).to_mapping(), "wheelset": toy_wheelset()})
+    sensed = {"wheelset": toy_wheelset(), "sensors": sensors}
+    return scenario_from({**load_scenario(like, changes).to_mapping(), **sensed})
 
 
 @cache
-def toy_models() -> Models:
+def toy_models(sensors: tuple[Any, ...] = ()) -> Models:
     """The models of all toy simulators: the toy track is in the place of that of the scenario."""
     scenario = toy_scenario()
-    reduced = reduce_wheelset(scenario.wheelset)
+    reduced = reduce_wheelset(scenario.wheelset, rows=rows_of(sensors))
     places = round(scenario.track.spacing / scenario.step_length)
     moving = MovingTrack(toy_half(places, 1.3e8), toy_half(places, 1.2e8))
     return Models(
@@ -103,6 +113,7 @@ def toy_models() -> Models:
     )
 
 
-def toy_simulator(*changes: str, like: str = "undamaged") -> Simulator:
+def toy_simulator(*changes: str, like: str = "undamaged", sensors: Sequence[Any] = ()) -> Simulator:
     """A simulator of a toy scenario on the toy track."""
-    return Simulator(toy_scenario(*changes, like=like), models=toy_models())
+    scenario = toy_scenario(*changes, like=like, sensors=sensors)
+    return Simulator(scenario, models=toy_models(scenario.sensors))

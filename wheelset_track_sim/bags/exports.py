@@ -15,8 +15,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-from ..errors import InputError
-from .frames import columns_of, dataframe, dataset, origin
+from ..errors import InputError, warn
+from .frames import columns_of, dataframe, dataset, origin, sensors_apart
 from .run_arrays import Recording, read_bag
 
 MOST_ROWS = 2**20 - 1
@@ -31,6 +31,8 @@ class Form(NamedTuple):
     """Libraries that are no dependency of this package."""
     most: int | None = None
     """Steps that it holds."""
+    of_steps: bool = True
+    """Whether it has a row for each step and nothing else."""
 
 
 def form_of(path: Path) -> Form | None:
@@ -87,6 +89,12 @@ def exported(path: Path, form: Form) -> Iterator[Path]:
 def export(recording: Recording, path: Path, form: Form) -> None:
     """Write a recording as a table, whole or not at all; raises InputError for a file that exists."""
     check_steps(path, form, len(recording))
+    apart = sensors_apart(recording) if form.of_steps else []
+    if apart:
+        warn(
+            f"{path.name} has a row for each step, so {', '.join(apart)} with a sampling rate of their own are not in "
+            "it: give .nc, or record a bag"
+        )
     temporary = path.with_name(f"{path.stem}.part{path.suffix}")
     try:
         form.write(recording, temporary)
@@ -141,6 +149,6 @@ FORMS = {
     ".csv": Form(_write_csv),
     ".parquet": Form(_write_parquet, ("pandas", "pyarrow")),
     ".xlsx": Form(_write_excel, ("openpyxl",), MOST_ROWS),
-    ".nc": Form(_write_netcdf, ("xarray",)),
+    ".nc": Form(_write_netcdf, ("xarray",), of_steps=False),
 }
 """Forms of tables by suffix."""

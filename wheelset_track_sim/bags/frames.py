@@ -43,7 +43,17 @@ def columns_of(recording: Recording) -> tuple[dict[str, NDArray[Any]], dict[str,
         found = dict(zip(COMPONENTS, of_node, strict=True)) | {"max_principal": principal}
         columns |= {f"{node}_{component}": stress for component, stress in found.items()}
         units |= {f"{node}_{component}": "Pa" for component in found}
+    for topic, record in recording.sensors.items():
+        if np.array_equal(record.number, recording.steps):
+            for channel, values in record.values.items():
+                column = f"{topic}/{channel}".replace("/", "_")
+                columns[column], units[column] = values, record.unit_of(channel)
     return columns, units
+
+
+def sensors_apart(recording: Recording) -> list[str]:
+    """Sensors with samples of their own times, which have no place in a table of steps."""
+    return [topic for topic, of in recording.sensors.items() if not np.array_equal(of.number, recording.steps)]
 
 
 def dataset(recording: Recording) -> Dataset:
@@ -59,11 +69,22 @@ def dataset(recording: Recording) -> Dataset:
         coordinates[name] = ("time", values, {"units": ALONG[name]} if ALONG[name] else {})
     force = {"units": "N", "long_name": "contact force, positive in compression"}
     principal = {"units": "Pa", "long_name": "maximum principal stress"}
+    sensed: dict[str, Any] = {}
+    for topic, record in recording.sensors.items():
+        name = topic.replace("/", "_")
+        own = "time" if np.array_equal(record.number, recording.steps) else f"time_of_{name}"
+        if own != "time":
+            coordinates[own] = (own, record.time, {"units": "s", "long_name": f"simulated time of {topic}"})
+        for channel, values in record.values.items():
+            unit = record.unit_of(channel)
+            about = {"long_name": f"{topic} {channel}"} | ({"units": unit} if unit else {})
+            sensed[f"{name}_{channel}"] = (own, values, about)
     return xarray.Dataset(
         {
             "force": (("time", "wheel"), recording.forces, force),
             "stress": (("time", "node", "component"), recording.stresses, {"units": "Pa", "long_name": "axle stress"}),
             "max_principal": (("time", "node"), recording.max_principal, principal),
+            **sensed,
         },
         coords=coordinates,
         attrs=origin(recording),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,6 +16,8 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact
 from ..samples.summary import Summary, statistics, summarise
 from ..samples.turns import NO_TURN, TurnPeaks
+from ..sensors.kinds import Placed, StrainGauge
+from ..sensors.reading import SensorChunk, peaks
 from ..wheelset.reduced import COMPONENTS
 from .definitions import serialise
 from .irregularities_text import irregularities_text, listed_irregularities
@@ -24,6 +26,8 @@ from .tread_damage import FIELDS
 FRAME = "track"
 """Frame of all headers, unless a node has a prefix."""
 NANOSECOND = 1e-9
+SENSORS = "sensor_summary"
+"""Topic of the scalars of all sensors."""
 CHUNK = ("header", "first_step", "time", "step_period", "speed", "position", "revision")
 """Fields that every chunk carries, and a state."""
 
@@ -112,11 +116,14 @@ def chunk_messages(
     lag: float = 0.0,
     summary: Summary | None = None,
     turn: TurnPeaks = NO_TURN,
+    channels: Sequence[str] = (),
+    sensed: Sequence[SensorChunk] = (),
 ) -> list[Message]:
-    """Messages of one chunk: contact forces, one stress for each node, summary.
+    """Messages of one chunk: contact forces, one stress for each node, summary, what sensors give and its summary.
 
     ``start_ns`` is the time stamp of step 0, ns; ``summary`` is that of the block if it is known already, ``turn`` the
-    last complete turn of the wheels. The values are those of the block, bit by bit.
+    last complete turn of the wheels, ``sensed`` what came of the sensors' ``channels`` meanwhile. The values are those
+    of the block, bit by bit.
     """
     stamp_ns, chunk = _chunk(block, start_ns)
     summary = summary or summarise(block)
@@ -133,7 +140,30 @@ def chunk_messages(
     fields |= {f"stress_{name}": value for name, value in components._asdict().items()}
     fields |= {"turns": turn.turns, "turn_max_principal": np.array(turn.principal or [math.nan] * len(block.nodes))}
     fields["wheel_1_turn_max_force"], fields["wheel_2_turn_max_force"] = turn.forces
-    return [*sample_messages(block, start_ns), Message("summary", "LoadSummary", stamp_ns, fields)]
+    summary_message = Message("summary", "LoadSummary", stamp_ns, fields)
+    found = [*sample_messages(block, start_ns), summary_message, *sensor_messages(sensed, start_ns)]
+    if channels:
+        peak, rms = peaks(channels, sensed)
+        found.append(
+            Message(SENSORS, "SensorSummary", stamp_ns, {**chunk, "names": [*channels], "peak": peak, "rms": rms})
+        )
+    return found
+
+
+def sensor_messages(chunks: Iterable[SensorChunk], start_ns: int) -> list[Message]:
+    """Messages of what sensors give; ``start_ns`` is the time stamp of step 0, ns."""
+    return [sensor_message(chunk, start_ns) for chunk in chunks]
+
+
+def sensor_message(chunk: SensorChunk, start_ns: int) -> Message:
+    """Message of one sensor's samples."""
+    stamp_ns, fields = _chunk(chunk, start_ns)
+    fields |= {"first_sample": chunk.first_sample, **chunk.values}
+    if isinstance(chunk.sensor, (Placed, StrainGauge)):
+        fields["name"] = chunk.sensor.name
+    if isinstance(chunk.sensor, Placed):
+        fields["quantity"] = chunk.sensor.type
+    return Message(chunk.topic, chunk.sensor.kind, stamp_ns, fields)
 
 
 def sample_messages(block: SampleBlock, start_ns: int) -> list[Message]:
@@ -212,7 +242,7 @@ def _by_component(block: SampleBlock) -> Real:
     return np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
 
 
-def _chunk(of: SampleBlock | State, start_ns: int) -> tuple[int, dict[str, Any]]:
+def _chunk(of: SampleBlock | State | SensorChunk, start_ns: int) -> tuple[int, dict[str, Any]]:
     """Time stamp, ns, and the fields that every chunk carries."""
     stamp_ns, header = _header(of.time, start_ns)
     return stamp_ns, {

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise, takewhile
 from pathlib import Path
@@ -21,6 +21,7 @@ from .bag import Bag
 from .bag_reader import Lost
 from .messages import State
 from .run_info import RunInfo
+from .sensor_records import SensorRecord, sensor_records
 from .window import RunWindow
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ class Recording:
     stresses: Real
     """(samples, nodes, 6), Pa, components as in ``COMPONENTS``."""
     nodes: tuple[str, ...]
+    sensors: Mapping[str, SensorRecord] = field(default_factory=dict)
+    """What sensors gave, by topic, such as ``axle_box_acceleration`` and ``strain/NAME``."""
 
     def __len__(self) -> int:
         return len(self.steps)
@@ -144,7 +147,8 @@ def read_bag(
     Returns
     -------
     Recording
-        Arrays over the steps: forces (n, 2) N, stresses (n, nodes, 6) Pa, time, position, speed, and the states.
+        Arrays over the steps: forces (n, 2) N, stresses (n, nodes, 6) Pa, time, position, speed, and the states; and
+        what sensors gave, at times of their own.
 
     Raises
     ------
@@ -195,6 +199,7 @@ def read_bag(
         forces=np.concatenate([block.forces for block in found])[part],
         stresses=np.concatenate([block.stresses for block in found])[part],
         nodes=found[0].nodes,
+        sensors=sensor_records(bag.reader, window, float(time[part][0]), float(time[part][-1] + step_period[part][-1])),
     )
 
 

@@ -30,7 +30,11 @@ RELIABLE, TRANSIENT_LOCAL, KEEP_LAST = ("reliable", 1), ("transient_local", 1), 
 """Words of rosbag2 since version 9 of its metadata, and its numbers before."""
 UNREADABLE = (TypesysError, LookupError, ValueError, RecursionError)
 """Errors for definitions that are none."""
-OF_NODE = ("contact_forces", "axle_stress/", "summary", "impacts", "state")
+OF_NODE = (
+    *("contact_forces", "axle_stress/", "summary", "impacts", "state"),
+    *("axle_box_acceleration", "axle_box_acceleration/", "suspension_force", "suspension_force/", "sensor_summary"),
+    *("strain/", "acceleration/", "velocity/", "displacement/"),
+)
 """Topics of the node, relative to its name; a slash at the end marks the beginning of several."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,7 @@ def as_mapping(found: Resimulation) -> dict[str, Any]:
         "beginning_known": start is None,
         "force": _difference(found.force, "N"),
         "stress": _difference(found.stress, "Pa"),
+        "sensors": {topic: difference and asdict(difference) for topic, difference in found.sensors.items()},
         "moved_revisions": [
             {"revision": revision, "recorded_step": recorded, "step": step} for revision, recorded, step in found.moved
         ],
@@ -121,9 +123,10 @@ def verdict(found: Resimulation) -> list[str]:
     lines += [f"Not compared: {what}." for what in (*found.left_out, *found.lost)]
     if found.identical:
         stresses = f"all stresses of {', '.join(found.nodes)}" if found.nodes else "no stresses"
+        sensors = f", {len(found.sensors)} sensors" if found.sensors else ""
         lines.append(
-            f"Bit-identical: both contact forces and {stresses} are the same to the last bit in the {found.samples} "
-            f"steps that were compared ({found.duration:.4g} s)."
+            f"Bit-identical: both contact forces{sensors} and {stresses} are the same to the last bit in the "
+            f"{found.samples} steps that were compared ({found.duration:.4g} s)."
         )
     for name, difference, scale, unit in (("force", found.force, 1e3, "kN"), ("stress", found.stress, 1e6, "MPa")):
         if difference is not None:
@@ -137,6 +140,11 @@ def verdict(found: Resimulation) -> list[str]:
                 settled = difference.last_beyond
                 since = f"from {settled.time:.3f} s on" if settled else "all along"
                 lines.append(f"Within 0.1 % of the static value {since}.")
+    lines += [
+        f"Largest difference in {topic} {difference.channel}: {difference.largest:.3g} (SI) at {difference.time:.4f} s."
+        for topic, difference in found.sensors.items()
+        if difference is not None
+    ]
     for revision, recorded, step in found.moved[:5]:
         lines.append(
             f"Revision {revision} takes effect at step {step}, not {recorded}: a defect that changes is in the "

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from scipy.special import elliprd, elliprf
 
 
@@ -28,12 +27,15 @@ class HertzContact:
     @property
     def axis_ratio(self) -> float:
         """b/a, lateral over longitudinal semi-axis; the same at every force."""
-
-        def mismatch(log_ratio: float) -> float:
-            k2 = np.exp(2 * log_ratio)
-            return float(np.log(elliprd(0, 1, k2) * self.radius_y / (elliprd(0, k2, 1) * self.radius_x)))
-
-        return float(np.exp(scipy.optimize.brentq(mismatch, -7.0, 7.0, xtol=1e-14)))
+        low, high = -7.0, 7.0  # of its logarithm, halved up to rounding: importing scipy.optimize takes far longer
+        for _ in range(56):
+            middle = (low + high) / 2
+            k2 = np.exp(2 * middle)
+            if elliprd(0, 1, k2) * self.radius_y > elliprd(0, k2, 1) * self.radius_x:
+                low = middle
+            else:
+                high = middle
+        return float(np.exp((low + high) / 2))
 
     def semi_axes(self, force: float) -> tuple[float, float]:
         """Longitudinal and lateral semi-axis, m, under ``force``, N."""

@@ -64,6 +64,9 @@ class Causal(NamedTuple):
     stress_output: np.ndarray  # (groups, banks, 8 ROW) rows of four stress components, of the first R modes
     stress_modes: int  # R <= P
     stress_direct: np.ndarray  # (S <= 4 groups, 2) Pa/N of the force at the same step
+    sensor_output: np.ndarray  # (pairs, banks, 4 ROW) two rows of sensors each, of the first T modes
+    sensor_modes: int  # T <= P
+    sensor_direct: np.ndarray  # (rows <= 2 pairs, 2) of the force at the same step
     wheel_compliance: np.ndarray  # (2,) m/N of the force at the same step
     rail_compliance: np.ndarray  # (L,) m/N of the force at the same step
     speed: float  # m/s to which the track modes belong
@@ -137,3 +140,24 @@ def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
             s = 4 * group + offset
             if s < stress.size:
                 stress[s] = total + direct[s, 0] * one + direct[s, 1] * two
+
+
+@summing_kernel
+def sensed(dynamics: Any, forces: np.ndarray, signals: np.ndarray) -> None:
+    """Fill ``signals`` (rows,) of sensors at the step whose ``forces`` (2,) N are given; before ``advance``."""
+    direct, one, two = dynamics.sensor_direct, forces[0], forces[1]
+    for pair in range(dynamics.sensor_output.shape[0]):
+        # Real and imaginary parts apart, so that no sum waits for another one.
+        real_0 = real_1 = imag_0 = imag_1 = 0.0
+        for bank in range(dynamics.sensor_output.shape[1]):
+            w, out = dynamics.wheels[bank], dynamics.sensor_output[pair, bank]
+            for p in range(min(ROW, dynamics.sensor_modes - bank * ROW)):
+                re, im = w[p], w[ROW + p]
+                real_0 += out[p] * re
+                imag_0 += out[ROW + p] * im
+                real_1 += out[2 * ROW + p] * re
+                imag_1 += out[3 * ROW + p] * im
+        for offset, total in enumerate((real_0 - imag_0, real_1 - imag_1)):
+            row = 2 * pair + offset
+            if row < signals.size:
+                signals[row] = total + direct[row, 0] * one + direct[row, 1] * two

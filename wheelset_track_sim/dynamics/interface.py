@@ -19,6 +19,11 @@ class DynamicsModel(Protocol):
         ...
 
     @property
+    def sensor_rows(self) -> int:
+        """Rows of sensors that are stepped."""
+        ...
+
+    @property
     def longest_run(self) -> float:
         """Bound on a run, settling included, s."""
         ...

@@ -8,7 +8,7 @@ force F of the step itself::
     compliance  m/N  ``wheel_compliance`` (2,), ``rail_compliance`` (L,) by place in the bay; (1,) if it has no places
 
 ``contact.law_kernels`` solves the contact with the sum of both compliances as c0, so contact and structure need no
-iteration. A step calls ``displacements``, solves the contacts, and calls ``stresses``, then
+iteration. A step calls ``displacements``, solves the contacts, and calls ``stresses`` and ``sensed``, then
 ``advance``, with the forces. The compiler picks the implementation by the type of ``dynamics``.
 """
 
@@ -44,6 +44,11 @@ def stresses(dynamics: Any, forces: np.ndarray, stress: np.ndarray) -> None:
     _IMPLEMENTATIONS[type(dynamics)].stresses(dynamics, forces, stress)
 
 
+def sensed(dynamics: Any, forces: np.ndarray, signals: np.ndarray) -> None:
+    """Fill ``signals`` (rows,) of sensors at the step whose ``forces`` (2,) N are given; before ``advance``."""
+    _IMPLEMENTATIONS[type(dynamics)].sensed(dynamics, forces, signals)
+
+
 def _kernel_of(dynamics: Any, name: str) -> Callable[..., Any] | None:
     module = _IMPLEMENTATIONS.get(getattr(dynamics, "instance_class", type(None)))
     return getattr(module, name) if module else None
@@ -65,3 +70,9 @@ def _advance(dynamics: Any, step: Any, forces: Any) -> Any:
 def _stresses(dynamics: Any, forces: Any, stress: Any) -> Any:
     implementation = _kernel_of(dynamics, "stresses")
     return implementation and (lambda dynamics, forces, stress: implementation(dynamics, forces, stress))
+
+
+@overload(sensed, strict=False)
+def _sensed(dynamics: Any, forces: Any, signals: Any) -> Any:
+    implementation = _kernel_of(dynamics, "sensed")
+    return implementation and (lambda dynamics, forces, signals: implementation(dynamics, forces, signals))

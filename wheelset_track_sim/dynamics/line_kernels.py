@@ -121,6 +121,9 @@ class Line(NamedTuple):
     stress_output: np.ndarray
     stress_modes: int
     stress_direct: np.ndarray
+    sensor_output: np.ndarray
+    sensor_modes: int
+    sensor_direct: np.ndarray
     wheel_compliance: np.ndarray
     coming: np.ndarray
     rail_compliance: np.ndarray
@@ -131,6 +134,7 @@ class Line(NamedTuple):
 
 displacements = causal_kernels.displacements
 stresses = causal_kernels.stresses
+sensed = causal_kernels.sensed
 
 
 @summing_kernel

@@ -61,6 +61,7 @@ class PaperModel:
     progress: Progress | None = None
     bays: int = BAYS
     """Bays over which the rail's response is followed."""
+    sensor_rows: ClassVar[int] = 0
     longest_run: ClassVar[float] = LONGEST_RUN
 
     @on_one_core

@@ -94,6 +94,11 @@ def stresses(dynamics: Paper, forces: np.ndarray, stress: np.ndarray) -> None:
 
 
 @summing_kernel
+def sensed(dynamics: Paper, forces: np.ndarray, signals: np.ndarray) -> None:
+    """Fill nothing: sensors read the state of modes, which these dynamics do not have."""
+
+
+@summing_kernel
 def _convolution(green: np.ndarray, past: np.ndarray, count: int) -> float:
     """Sum over n = 1 to ``count`` of green[n] times the force n steps ago; ``past`` has the newest first."""
     before = past.size - count - 1

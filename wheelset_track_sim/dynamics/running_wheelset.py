@@ -34,6 +34,9 @@ class Wheels(NamedTuple):
     stress_output: Real
     stress_modes: int
     stress_direct: Real
+    sensor_output: Real
+    sensor_modes: int
+    sensor_direct: Real
     wheel_compliance: Real
 
 
@@ -47,6 +50,11 @@ class RunningWheelset:
     stress_feedthrough: Real  # (S, 2)
     stress_rows: NDArray[np.intp]  # (S,) where the components stand in the flattened (nodes, 6)
     longest_run: ClassVar[float] = math.inf
+
+    @property
+    def sensor_rows(self) -> int:
+        """Rows of sensors that are stepped."""
+        return len(self.wheelset.sensor_outputs)
 
     def static_wheels(self) -> Real:
         """Displacement (2,) m/N of the wheels under unit loads on both of them."""
@@ -67,6 +75,8 @@ class RunningWheelset:
         """Coefficients with a ``state`` (P,) at ``speed`` m/s; ``behind`` is that of the last interval."""
         poles, inputs, outputs = self.wheelset.poles, self.wheelset.inputs, self.wheelset.outputs
         (a, b0, _), b1 = hold(poles, dx / speed), hold(poles, dx / behind).after
+        sensors, pairs = self.wheelset.sensor_outputs, -(-self.sensor_rows // 2)
+        sensing = int(np.flatnonzero(np.append(True, np.abs(sensors).max(axis=0, initial=0.0)))[-1])  # modes
         summed, groups = self.stress_output.shape[1], -(-len(self.stress_output) // 4)
         stress_direct = (self.stress_output @ (b1[:summed, np.newaxis] * inputs[:summed])).real
         gains = ((a * b1 + b0)[:, np.newaxis] * inputs).T
@@ -76,6 +86,9 @@ class RunningWheelset:
             stress_output=banked(padded(self.stress_output, 0, 4 * groups).reshape(groups, 4, summed)),
             stress_modes=whole_registers(summed),
             stress_direct=stress_direct + self.stress_feedthrough,
+            sensor_output=banked(padded(sensors, 0, 2 * pairs)[:, :sensing].reshape(pairs, 2, sensing)),
+            sensor_modes=whole_registers(sensing),
+            sensor_direct=(sensors @ (b1[:, np.newaxis] * inputs)).real + self.wheelset.sensor_feedthrough,
             wheel_compliance=(outputs * b1 * inputs.T).real.sum(axis=1) + self.wheel_residual,
         )
 
@@ -117,6 +130,7 @@ def _by_static_stress(wheelset: ReducedWheelset, nodes: Sequence[int]) -> tuple[
         inputs=wheelset.inputs[order],
         outputs=wheelset.outputs[:, order],
         stress_outputs=wheelset.stress_outputs[..., order],
+        sensor_outputs=wheelset.sensor_outputs[:, order],
     )
     return ordered, min(-(-summed // REGISTER) * REGISTER, len(order))
 
@@ -131,6 +145,8 @@ def truncated(wheelset: ReducedWheelset, max_frequency: float) -> ReducedWheelse
         inputs=wheelset.inputs[kept],
         outputs=wheelset.outputs[:, kept],
         stress_outputs=wheelset.stress_outputs[..., kept],
+        sensor_outputs=wheelset.sensor_outputs[:, kept],
+        sensor_feedthrough=wheelset.sensor_feedthrough - (wheelset.sensor_outputs[:, ~kept] @ left_out).real,
         stress_feedthrough=wheelset.stress_feedthrough - (wheelset.stress_outputs[..., ~kept] @ left_out).real,
         displacement_residual=wheelset.displacement_residual - (wheelset.outputs[:, ~kept] @ left_out).real,
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from io import StringIO
 from typing import Any
 
-from ruamel.yaml import YAML
+from ruamel.yaml import YAML, version_info
 from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
@@ -18,6 +18,8 @@ DEEPEST = 20
 DIGITS = 30
 LARGEST = 10**DIGITS
 """Largest whole number."""
+UNFOLDED = 1 << 30
+"""Width of lines, characters."""
 MOST_VALUES = 2_000_000
 """Values of a text."""
 
@@ -79,5 +81,7 @@ def dump(value: Any) -> str:
     yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = False
     yaml.sort_base_mapping_type_on_output = False
+    if version_info < (0, 19):  # folds a long text after a line break in it, and reads it with a space more
+        yaml.width = UNFOLDED
     yaml.dump(value, out)
     return out.getvalue()

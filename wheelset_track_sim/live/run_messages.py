@@ -10,7 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from ..bags.messages import FRAME, Message, State, chunk_messages, impact_message, in_frame, state_message
+from ..bags.messages import (
+    FRAME,
+    Message,
+    State,
+    chunk_messages,
+    impact_message,
+    in_frame,
+    sensor_messages,
+    state_message,
+)
 from ..bags.run_info import Input, RunInfo
 from ..bags.settings import RecordSettings
 from ..bags.snapshots import writer_of
@@ -20,6 +29,7 @@ from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
 from ..samples.summary import Summary, summarise
 from ..samples.turns import TurnPeaks, TurnWatch
+from ..sensors.reading import SensorReaders
 from ..simulation.simulator import Simulator
 from .stream import Timing
 
@@ -78,6 +88,8 @@ class RunMessages:
         self.state_due = False
         """Whether the next block repeats the state though nothing has changed, as in a new file."""
         self._turns = TurnWatch(simulator.steps_per_revolution)
+        wheel = simulator.steps_per_revolution, simulator.models.tread_origin
+        self._sensors = SensorReaders(simulator.scenario.sensors, *wheel)
 
     def state(self, *, status: int = RUNNING, message: str = "", recording: str = "") -> Message:
         """The state from the next step on."""
@@ -92,14 +104,23 @@ class RunMessages:
         impacts = self.detector.push(block, self.told.axle_load / 2, summary)
         turns = tuple(self._turns.push(block, summary))
         events = Events(impacts, self._turns.last, turns)
-        chunk = chunk_messages(block, self.start_ns, summary=summary, turn=events.turn, **vars(timing))
+        chunk = chunk_messages(
+            block,
+            self.start_ns,
+            summary=summary,
+            turn=events.turn,
+            channels=self._sensors.channels,
+            sensed=self._sensors.push(block),
+            **vars(timing),
+        )
         return BlockMessages(
             in_frame(states, self._frame), in_frame([*chunk, *self._impacts(impacts)], self._frame), events
         )
 
     def finish(self) -> list[Message]:
-        """Impacts that have not ended at the end of the run, as far as they go."""
-        return in_frame(self._impacts(self.detector.finish()), self._frame)
+        """Impacts that have not ended at the end of the run, as far as they go, and the last samples of sensors."""
+        last = sensor_messages(self._sensors.finish(), self.start_ns)
+        return in_frame([*last, *self._impacts(self.detector.finish())], self._frame)
 
     def _states(self, block: SampleBlock, timing: Timing, recording: str) -> list[Message]:
         told, set_point = self.told, self.simulator.course.at(block.first_step).set_point

@@ -14,7 +14,7 @@ from bokeh.resources import Resources
 from ..errors import ContactError, InputError
 from ..scenario import Scenario
 from ..twin.measured import Comparison
-from . import measured, plots, sections
+from . import measured, plots, sections, sensors
 from .contact_map import ContactMap, contact_map
 from .files import STYLE, asset, write_whole
 from .survey import Survey
@@ -63,6 +63,8 @@ def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
     yield sections.peaks(run)
     yield sections.over_time(run, _plot(plots.time_plots(run), "time-plots"))
     yield sections.impacts(run)
+    if run.sensors:
+        yield sensors.section(run.sensors, _plot(sensors.sensor_plots(run.sensors, run.peak.time), "sensor-plots"))
     if comparison:
         yield measured.section(comparison, _plot(measured.measured_plots(comparison), "measured-plots"))
     scenario = run.scenario_in_force(run.peak.revision)

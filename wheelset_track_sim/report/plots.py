@@ -155,8 +155,8 @@ def spectrum_plots(run: Survey, spectrum: Spectrum, marks: Iterable[tuple[float,
             plot.add_layout(Span(location=at, dimension="height", **MARK))
             text: Any = {"text_font_size": "11px", "x_offset": 3, "y_units": "screen"}
             plot.add_layout(Label(x=at, y=6 + 15 * number, text=f"{name} {at:.3g} Hz", **text))
-        _finish(plot)
-        plots.append(_zoomable(plot))
+        finish(plot)
+        plots.append(zoomable(plot))
     plots[-1].xaxis.axis_label = "frequency (Hz)"
     _add_note(plots[-1], run)
     return below_one_another(plots)
@@ -201,7 +201,7 @@ def pressure_plot(run: Survey, contact: ContactMap) -> figure:
     plot.add_layout(
         ColorBar(color_mapper=colours, title="contact pressure (MPa)", width=12, background_fill_alpha=0.0), "right"
     )
-    _finish(plot)
+    finish(plot)
     _add_note(plot, run)
     return plot
 
@@ -211,8 +211,8 @@ def over_an_axis(title: str, axis: Range1d, height: int) -> figure:
     plot = figure(x_range=axis, height=height, tools="")
     plot.yaxis.axis_label = title
     plot.y_range.range_padding = PADDING
-    _finish(plot)
-    return _zoomable(plot)
+    finish(plot)
+    return zoomable(plot)
 
 
 def below_one_another(plots: list[figure]) -> LayoutDOM:
@@ -297,7 +297,7 @@ def _mark_impacts(plot: figure, run: Survey) -> None:
     plot.scatter("time", "force", source=source, marker="circle", size=6, line_color=None, fill_color="colour")
 
 
-def _finish(plot: figure) -> None:
+def finish(plot: figure) -> None:
     """What all plots have in common."""
     plot.background_fill_alpha = plot.border_fill_alpha = 0.0
     plot.outline_line_color = None
@@ -306,7 +306,7 @@ def _finish(plot: figure) -> None:
     plot.axis.minor_tick_line_color = None
 
 
-def _zoomable(plot: figure) -> figure:
+def zoomable(plot: figure) -> figure:
     """With tools that move the horizontal axis, and that keep a picture."""
     box, wheel = BoxZoomTool(dimensions="width"), WheelZoomTool(dimensions="width", modifiers="ctrl")
     plot.add_tools(

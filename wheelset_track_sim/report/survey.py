@@ -13,6 +13,7 @@ import numpy as np
 
 from ..bags import Bag, Loss, RunInfo, State
 from ..bags.irregularities_text import listed_irregularities
+from ..bags.sensor_records import sensor_parts
 from ..errors import InputError, recorded_input
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
@@ -23,6 +24,7 @@ from .bending import BendingAmplitudes
 from .envelope import Bins, Envelope
 from .published import LoadCasePassage, published_passage
 from .samples import Closeup, Closeups, SampleSeries, joined, samples_of
+from .sensor_figures import SensorFigures, sensor_figures
 from .spectrum import Spectrum, Welch
 
 BEFORE, AFTER = 0.9, 1.8
@@ -118,6 +120,8 @@ class Survey:
     impacts: tuple[Impact, ...]
     losses: tuple[Loss, ...] = ()
     """What of the bag is damaged or missing."""
+    sensors: tuple[SensorFigures, ...] = ()
+    """What each sensor gave."""
 
     @property
     def wheel_load(self) -> float:
@@ -145,7 +149,8 @@ def survey(path: Path, settings: ImpactSettings | None = None) -> Survey:
     losses: list[Loss] = []
     bag = Bag(path, losses.append)
     found = survey_of(bag.events(), bag.info, bag.start_ns, bag.path, settings)
-    return dataclasses.replace(found, losses=tuple(losses))
+    sensors = sensor_figures(sensor_parts(bag.reader.quiet), found.peak.time)
+    return dataclasses.replace(found, losses=tuple(losses), sensors=tuple(sensors))
 
 
 def survey_of(

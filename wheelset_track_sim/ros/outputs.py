@@ -9,10 +9,12 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..bags.messages import FRAME, Message, in_frame, sample_messages, stress_topic
+from ..bags.messages import FRAME, SENSORS, Message, in_frame, sample_messages, stress_topic
 from ..bags.topics import DEPTH, LATCHED_TOPICS
 from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
+from ..sensors.acquisition import TRUE
+from ..sensors.kinds import Sensor
 from .acknowledged import wait_for_subscribers
 from .conversions import message_type
 from .position import Motion, PositionTopics
@@ -21,7 +23,8 @@ from .position import Motion, PositionTopics
 class Outputs:
     """Publishers of one run: ``contact_forces``, ``axle_stress/*``, ``summary``, ``impacts``, and a latched ``state``.
 
-    Forces and stresses may be decimated, each by a factor of its own; the summary is always of every step.
+    Those of sensors follow. Forces and stresses may be decimated, each by a factor of its own; the summary is always of
+    every step. True values of sensors are recorded and not published.
     """
 
     def __init__(
@@ -36,11 +39,13 @@ class Outputs:
         self._decimators: dict[str, BlockDecimator] = {}
         self._start_ns = 0
 
-    def create(self, stress_nodes: Sequence[str]) -> None:
+    def create(self, stress_nodes: Sequence[str], sensors: Sequence[Sensor] = ()) -> None:
         """Make the publishers; those of the stream publish while the node is active."""
         kinds = {"contact_forces": "ContactForces", "summary": "LoadSummary"}
         kinds |= {"impacts": "WheelImpact", "state": "SimulationState"}
         kinds |= {stress_topic(name): "AxleStress" for name in stress_nodes}
+        kinds |= {sensor.topic: sensor.kind for sensor in sensors}
+        kinds |= {SENSORS: "SensorSummary"} if sensors else {}
         for topic, kind in kinds.items():
             latched = topic in LATCHED_TOPICS
             quality = QoSProfile(
@@ -81,7 +86,8 @@ class Outputs:
     def publish(self, messages: Iterable[Message]) -> None:
         """Publish messages on their topics."""
         for message in messages:
-            self._publishers[message.topic].publish(message.cdr)
+            if message.topic.rpartition("/")[2] != TRUE:
+                self._publishers[message.topic].publish(message.cdr)
 
     def destroy(self) -> None:
         """Take the publishers away, when what they sent has arrived."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..runtime.arrays import Real
@@ -71,6 +72,8 @@ class SampleBlock:
     """Steps from sample to sample."""
     contacts: ContactCounts = NO_CONTACTS
     """How contacts were found; of a simulation alone."""
+    sensors: Mapping[str, Real] = field(default_factory=dict)
+    """True values at the sensors of the scenario, by topic: (samples, channels) in SI units; of a simulation alone."""
 
     def __post_init__(self) -> None:
         self.forces.flags.writeable = False

@@ -185,6 +185,7 @@ def _block(span: SampleBlock, step: int, samples: Real, factor: int) -> SampleBl
         step_period=factor * span.step_period,
         position=span.position + since * span.speed,
         forces=samples[:, :2].copy(),
+        sensors={},
         stresses=np.moveaxis(samples.T[2:].reshape(*span.stresses.shape[1:], len(samples)).copy(), -1, 0),
         decimation=factor,
     )

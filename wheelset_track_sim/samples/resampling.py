@@ -65,16 +65,21 @@ def _padded(signals: Real, half: int) -> Real:
 
 def _weights(offsets: Real) -> Real:
     """Of samples at ``offsets`` (m, taps) from the new ones, in steps of the band; the sum of each row is 1."""
-    distance, response = _response()
+    response = response_table()
+    distance = _distances()
     weights = np.interp(np.abs(offsets), distance, response)
     weights /= weights.sum(axis=1, keepdims=True)
     return weights
 
 
 @cache
-def _response() -> tuple[Real, Real]:
-    """The low pass over the distance from its middle, finely enough to be read off linearly."""
+def _distances() -> Real:
+    return np.append(np.linspace(0.0, REACH, FINE * REACH + 1), REACH + 1e-9)
+
+
+@cache
+def response_table() -> Real:
+    """The low pass at ``FINE`` points a step from its middle to ``REACH``, and 0: it can be read off linearly."""
     distance = np.linspace(0.0, REACH, FINE * REACH + 1)
     window = i0(BETA * np.sqrt(1.0 - (distance / REACH) ** 2))
-    response = window * np.sinc((1.0 + PASSBAND) / 2 * distance)
-    return np.append(distance, REACH + 1e-9), np.append(response, 0.0)
+    return np.append(window * np.sinc((1.0 + PASSBAND) / 2 * distance), 0.0)

@@ -19,6 +19,7 @@ from ..irregularities import Irregularity, line_steps, plain_irregularities, rea
 from ..irregularities.kinds import check_number
 from ..irregularities.surface import LONGEST_LINE, Surface, check_length
 from ..runtime.cache import digest
+from ..sensors.kinds import Sensor, check_sensors
 from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
 from ..wheelset.imported import ImportedWheelset
@@ -111,6 +112,8 @@ class Scenario:
     contact: ContactOptions = field(default_factory=ContactOptions)
     """Linear elastic by default."""
     output: Output = field(default_factory=Output)
+    sensors: tuple[Sensor, ...] = ()
+    """What is measured on the wheelset beside the contact forces and stresses."""
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
     )
@@ -154,6 +157,8 @@ class Scenario:
         self._check_vehicle()
         _check_models(self.wheelset, self.track, self.loads, self.output.stress_nodes, self.step_length)
         self.loads.check_weight(self.wheelset, self.axle_load)
+        slowest = min(self.speed, *(point.speed for point in self.speed_plan), math.inf) / self.step_length
+        check_sensors(self.sensors, self.wheelset, self.dynamics, slowest)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)

@@ -33,6 +33,7 @@ class Coupled:
         self._ahead: dict[float, Future[None]] = {}
         self._next = step
         self._xi = np.empty((0, 2, 2))
+        self._signals = np.empty((0, models.dynamics.sensor_rows))
         self._contacts = NO_CONTACTS
 
     def copy(self) -> Coupled:
@@ -55,6 +56,7 @@ class Coupled:
             0,
             nothing,
             stress,
+            np.empty((0, self.models.dynamics.sensor_rows)),
             np.empty((0, 2, 2)),
             np.zeros(3),
         )
@@ -68,6 +70,11 @@ class Coupled:
     def displacements(self) -> Real:
         """Displacements of the latest block, (samples, 2, 2), m: wheels and rails away from each other, by wheel."""
         return self._xi
+
+    @property
+    def signals(self) -> Real:
+        """Rows of sensors of the latest block, (samples, rows), SI units."""
+        return self._signals
 
     @property
     def contacts(self) -> ContactCounts:
@@ -88,6 +95,7 @@ class Coupled:
         tables = len(law.nested[0].element) == 0
         forces = np.empty((steps, 2))
         stress = np.empty((steps, len(self.models.dynamics.stress_rows)))
+        signals = np.empty((steps, self.models.dynamics.sensor_rows))
         xi = np.empty((steps, 2, 2))
         untabled = np.zeros(3)
         done = 0
@@ -106,6 +114,7 @@ class Coupled:
                     self._next + solved,
                     forces[part],
                     stress[part],
+                    signals[part],
                     xi[part],
                     untabled,
                 )
@@ -118,8 +127,9 @@ class Coupled:
                     self._refuse(preload, xi)
                 break
         self._contacts = ContactCounts(int(untabled[0]), int(untabled[1]), float(untabled[2]))
-        forces, stress, self._xi = forces[:done], stress[:done], xi[:done]
-        require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress)
+        forces, stress, self._signals, self._xi = forces[:done], stress[:done], signals[:done], xi[:done]
+        sensed = {"sensors": self._signals} if self._signals.size else {}
+        require_finite(self._next - done, forces=forces, displacements=self._xi, stress=stress, **sensed)
         return forces, stress
 
     def _make_ready(self, speed: float, ahead: Sequence[float]) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.law_kernels import UNTABLED, ContactLaw, table_number, tabulated_force
-from ..dynamics.interface_kernels import advance, displacements, stresses
+from ..dynamics.interface_kernels import advance, displacements, sensed, stresses
 from ..runtime.jit import kernel
 
 
@@ -22,6 +22,7 @@ def run(
     first_step: int,
     forces: np.ndarray,
     stress: np.ndarray,
+    signals: np.ndarray,
     xi: np.ndarray,
     untabled: np.ndarray,
 ) -> int:
@@ -31,8 +32,9 @@ def run(
     (``contact.solutions``); with None, which is compiled without them and runs faster, such steps are not solved.
     ``preload`` (n, 2) m is the approach of wheel and rail without dynamics that loads each contact with the static
     force; ``tread_origin`` is the step at which angle 0 of the treads meets the rail. Fills ``forces`` in N, ``stress``
-    (n, S) in Pa and ``xi`` (n, 2, 2) in m: wheels and rails, with what the force displaces at once. Adds to
-    ``untabled`` (3,) the contacts that were solved and filtered, and keeps the largest estimate of an error there, N.
+    (n, S) in Pa, ``signals`` (n, rows) of sensors, and ``xi`` (n, 2, 2) in m: wheels and rails, with what the force
+    displaces at once. Adds to ``untabled`` (3,) the contacts that were solved and filtered, and keeps the largest
+    estimate of an error there, N.
     A count below n means that the contact problem of that step is not solved; the state stays at that step.
     """
     none = np.empty((0, 0))
@@ -76,6 +78,8 @@ def run(
             xi[row, 0, wheel] += of_wheel * force
             xi[row, 1, wheel] += of_rail * force
         stresses(dynamics, forces[row], stress[row])
+        if signals.shape[1]:
+            sensed(dynamics, forces[row], signals[row])
         advance(dynamics, step, forces[row])
         tread, rail = tread + 1, rail + 1
         tread, rail = 0 if tread == turn else tread, 0 if rail == line else rail

@@ -25,6 +25,7 @@ from ..runtime.jit import compile_ahead, compiled_meanwhile
 from ..runtime.progress import Progress
 from ..scenario import Scenario
 from ..scenario.scenario import PAPER_BAND
+from ..sensors.kinds import rows_of
 from ..track.balance import moving_track
 from ..track.line import track_line
 from ..track.ring import MAX_FREQUENCY
@@ -169,7 +170,7 @@ def load_models(
 
 def _models(scenario: Scenario, progress: Progress | None, tables: bool | Literal["smooth"]) -> Models:
     wheelset, track, dx = scenario.touched_wheelset, scenario.track, scenario.step_length
-    reduced = reduce_wheelset(wheelset, progress, scenario.vehicle)
+    reduced = reduce_wheelset(wheelset, progress, scenario.vehicle, rows_of(scenario.sensors))
     nodes, band, lag_zero = scenario.output.stress_nodes, scenario.max_frequency, scenario.at_lag_zero
     dynamics: DynamicsModel
     if scenario.dynamics == "paper":

@@ -18,6 +18,7 @@ from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..scenario import Event, Scenario
+from ..sensors.kinds import rows_of
 from ..wheelset.around import Around
 from ..wheelset.reduced import COMPONENTS
 from .agenda import after, next_due, next_step, rehearsed, step_of
@@ -88,6 +89,8 @@ class Simulator:
     ) -> None:
         """Load or build the models and the contact of treads and rails; nothing is run yet."""
         self._models: Models = models or load_models(scenario, progress)
+        if len(rows_of(scenario.sensors)) != self._models.dynamics.sensor_rows:
+            raise InputError("the models were built for other sensors: build them anew for this scenario")
         warn_of_limits(scenario, self._models.reduced)
         self._superposition = self._superposed(scenario)
         self._plan = scenario.speed_plan
@@ -375,6 +378,7 @@ class Simulator:
             stresses=stresses.reshape(-1, len(COMPONENTS), len(forces)).transpose(2, 0, 1),
             nodes=scenario.output.stress_nodes,
             contacts=coupled.contacts,
+            sensors=self._sensed(first, coupled.signals),
         )
 
     @property
@@ -384,6 +388,21 @@ class Simulator:
         if self._superposition is None:
             return np.zeros((nodes, len(COMPONENTS)))
         return Around.even(self._superposition.constant.mean).at(self._superposition.angles)
+
+    def _sensed(self, first: int, signals: Real) -> dict[str, Real]:
+        """True values (n, channels) of each sensor, by topic, from the rows (n, rows) that all of them read."""
+        sensors = self.scenario.sensors
+        if not sensors:
+            return {}
+        angles = np.empty(0)
+        if any(each.turning for each in sensors):
+            turn = self.steps_per_revolution
+            steps = np.arange(first, first + len(signals)) - self._models.tread_origin
+            angles = 2 * math.pi / turn * (steps % turn).astype(np.float64)
+        place = {row: at for at, row in enumerate(rows_of(sensors))}
+        return {
+            each.topic: each.signals(_columns(signals, [place[row] for row in each.rows]), angles) for each in sensors
+        }
 
     def _prepare(self, before: ContactLaw, law: ContactLaw) -> None:
         """Compile what steps under a law, or a fade to it, call: the run would wait for the compiler."""
@@ -427,3 +446,10 @@ class Simulator:
                 set_point = self._course.at(self.next_step).set_point
                 applied = Applied(condition.revision, now, set_point, condition.event)
                 self._history = (*self._history, applied)[-REMEMBERED:]
+
+
+def _columns(signals: Real, places: list[int]) -> Real:
+    """Columns of the signals (n, rows), which are not copied if they are side by side."""
+    first, count = places[0], len(places)
+    side_by_side = places == [*range(first, first + count)]
+    return signals[:, first : first + count] if side_by_side else signals[:, places]

@@ -53,7 +53,7 @@ class RunDifferences:
 
     def push(self, block: SampleBlock, before: int, ours: Real, theirs: Real) -> None:
         """Compare samples (n, signals) of both runs, from sample ``before`` of the recorded ``block`` on."""
-        unequal = _bits(ours) != _bits(theirs)
+        unequal = unequal_bits(ours, theirs)
         if not unequal.any():
             return
 
@@ -73,6 +73,12 @@ class RunDifferences:
             place(int(beyond[-1])) if len(beyond) else None,
         )
         self._found = _joined(self._found, here) if self._found else here
+
+
+def unequal_bits(ours: Real, theirs: Real) -> NDArray[np.bool_]:
+    """Where numbers of two arrays differ in any bit."""
+    unequal: NDArray[np.bool_] = _bits(ours) != _bits(theirs)
+    return unequal
 
 
 def _bits(values: Real) -> NDArray[np.uint64]:

@@ -15,6 +15,7 @@ import numpy as np
 from ..bags import Bag
 from ..bags.losses import Loss
 from ..bags.run_info import versions
+from ..bags.sensor_records import sensor_parts
 from ..errors import InputError, RecordingError
 from ..live.run_messages import model_digests, record
 from ..runtime.progress import Progress
@@ -26,6 +27,7 @@ from ..simulation.speed import Stretch
 from ..wheelset.reduced import COMPONENTS
 from .differences import Difference, RunDifferences
 from .run_inputs import RecordedChange, RunInputs, run_inputs, with_settings
+from .sensor_comparison import SensorComparison, SensorDifference
 
 CHUNK = 5556
 """Steps at a time where nothing is compared."""
@@ -57,6 +59,8 @@ class Resimulation:
     """Of the contact forces, N; None if they are the same, bit by bit."""
     stress: Difference | None
     """Of the stress components, Pa."""
+    sensors: dict[str, SensorDifference | None]
+    """By topic: of what the sensors gave; None if all samples are the same, bit by bit."""
     before: Summary
     """Of the recorded samples."""
     after: Summary
@@ -74,8 +78,9 @@ class Resimulation:
 
     @property
     def identical(self) -> bool:
-        """Whether all forces and stresses that were compared are the same, bit by bit."""
-        return self.force is None and self.stress is None and not self.moved
+        """Whether all forces, stresses and sensors that were compared are the same, bit by bit."""
+        same = self.force is None and self.stress is None and not any(self.sensors.values())
+        return same and not self.moved
 
     @property
     def unexplained(self) -> bool:
@@ -129,6 +134,7 @@ def resimulate(
     changes = [change._replace(scenario=new) for change, new in zip(inputs.changes, scenarios, strict=True)]
     kept = [_surfaces(old) == _surfaces(new) for old, new in zip(inputs.changes, changes, strict=True)]
     rerun = _Rerun(changes, kept, inputs.start, progress, most_steps)
+    sensors = SensorComparison(rerun.simulator, sensor_parts(bag.reader.quiet))
     too_early = 0
     comparison: _Comparison | None = None
     with ExitStack() as stack:
@@ -138,6 +144,7 @@ def resimulate(
                 too_early += len(block)  # before all inputs that the bag holds
                 continue
             for missing in rerun.up_to(block.first_step):
+                sensors.push(missing)
                 if push is not None:
                     push(missing, summarise(missing))
             if comparison is None:
@@ -148,9 +155,11 @@ def resimulate(
             while done < len(block):
                 simulated = rerun.advance(len(block) - done)
                 summary = comparison.push(block, done, simulated)
+                sensors.push(simulated)
                 if push is not None:
                     push(simulated, summary)
                 done += len(simulated)
+    sensors.finish()
     if comparison is None:
         raise RecordingError(f"{bag.path} does not describe the run of its samples: record it with its state topic")
     recorded_by = bag.info.versions.get("wheelset_track_sim", "")
@@ -165,6 +174,7 @@ def resimulate(
         moved=tuple(rerun.moved),
         force=comparison.force.found,
         stress=comparison.stress.found,
+        sensors=sensors.found,
         before=comparison.before,
         after=comparison.after,
         origin=_other({"wheelset_track_sim": "unknown"} | dict(bag.info.versions), versions())

@@ -39,6 +39,8 @@ class HarmonicModel:
     """(free unknowns, 2): a unit vertical force on wheel 1, 2; also what reads ``xi_w`` from the unknowns."""
     boxes: Real
     """(free unknowns, 2): the same for the axle boxes; zero unless n = 1."""
+    bearings: Real
+    """(free unknowns, 2): lift of the journals over their boxes; zero if the bearings are rigid."""
 
     def modes(self, max_frequency: float) -> tuple[Real, Real]:
         """Natural frequencies (modes,) in Hz to ``max_frequency`` and mass-normalised modes (free unknowns, modes).
@@ -71,11 +73,12 @@ class HarmonicModel:
         """Weight of all masses (free unknowns,), N, as a body force: it is of n = 1, the only harmonic that moves.
 
         Gravity is -z at every angle: ``f = -g M e`` with the rigid lift ``e``, ``u_r = -cos(theta)`` and ``u_theta =
-        sin(theta)``. Axle boxes and point masses count with their own masses.
+        sin(theta)``. Axle boxes and point masses count with their own masses; boxes on bearings are unknowns.
         """
         lift = np.tile([-1.0, 0.0, 1.0], self.free.shape[0] // 3)
-        free = self.free
-        weight: Real = -GRAVITY * (self.mass @ ((free.T @ lift) / free.multiply(free).sum(axis=0)))
+        free, scale = self.free, self.free.multiply(self.free).sum(axis=0)
+        rigid = np.divide(free.T @ lift, scale, out=np.ones(len(scale)), where=scale > 0.0)
+        weight: Real = -GRAVITY * (self.mass @ rigid)
         return weight
 
 
@@ -96,12 +99,28 @@ def held(stiffness: sp.csc_array, free: sp.csc_array) -> sp.csc_array:
 
 
 def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> HarmonicModel:
-    """Model of harmonic ``n``; axle boxes, suspension and point masses act on n = 1, which alone moves the sections."""
+    """Model of harmonic ``n``; axle boxes, suspension and point masses act on n = 1, which alone moves the sections.
+
+    Axle boxes on elastic bearings have two unknowns of their own, their lift, after those of the mesh::
+
+        m y'' + k_b (y - e) + k y = 0                        e  mean lift of the journal's bearing surface
+        M u'' + K u + sum b k_b (e - y) = s F,  e = b . u    k  primary suspension, k_b  bearing
+    """
     free = free_unknowns(mesh, n)
     stiffness, mass = (free.T @ matrix @ free for matrix in stiffness_and_mass(mesh, wheelset.material, n))
     boxes = np.zeros((free.shape[1], 2))
+    bearings = boxes
     if n == 1:
         boxes = free.T @ bearing_displacements(wheelset, mesh)
+        if wheelset.axle_boxes.bearing_stiffness is not None:
+            bearings = np.vstack([boxes, -np.eye(2)])
+            boxes = np.vstack([np.zeros_like(boxes), np.eye(2)])
+            free, stiffness, mass = (
+                sp.block_array([[matrix, None], [None, sp.csc_array((below, 2))]]).tocsc()
+                for matrix, below in ((free, 0), (stiffness, 2), (mass, 2))
+            )
+            spread = sp.csc_array(bearings)
+            stiffness = stiffness + wheelset.axle_boxes.bearing_stiffness * (spread @ spread.T)
         spread = sp.csc_array(boxes)
         stiffness = stiffness + wheelset.axle_boxes.stiffness * (spread @ spread.T)
         mass = mass + wheelset.axle_boxes.mass * (spread @ spread.T)
@@ -110,7 +129,7 @@ def harmonic(wheelset: Wheelset, mesh: SectionMesh, n: int) -> HarmonicModel:
             motion = sp.csc_array(free.T @ section_motion(mesh, radius, *item.ends))
             mass = mass + motion @ sp.diags_array([item.mass, item.inertia]) @ motion.T
     contacts = free.T @ contact_displacements(wheelset, mesh, "up")
-    return HarmonicModel(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes)
+    return HarmonicModel(n, stiffness.tocsc(), mass.tocsc(), free, contacts, boxes, bearings)
 
 
 def contact_displacements(wheelset: Wheelset, mesh: SectionMesh, direction: Direction) -> Real:

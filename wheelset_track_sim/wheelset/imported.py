@@ -7,7 +7,7 @@ stress times q. The suspension's dashpots are given by the lift at them: they co
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, pi
 
@@ -19,6 +19,7 @@ from ..runtime.arrays import Real
 from .around import Around, angles_of
 from .reduced import ReducedWheelset
 from .reduction import diagonalised
+from .sensor_rows import NamedMotion, SensorRow, SuspensionReaction, box_weights, rates
 from .static_loads import nominal_torsion
 from .stress_node import NAME, check_names
 from .vehicle import Vehicle, on_vehicle
@@ -76,6 +77,21 @@ class ImportedNode:
 
 
 @dataclass(frozen=True)
+class MeasuringPoint:
+    """A node of the model whose vertical motion a sensor can measure."""
+
+    name: str
+    modal_lift: Numbers
+    """(P,) lift of the modes there, positive upwards, normalised as ``modes.lift``."""
+    position: Numbers = ()
+    """x, y, z from the middle of the axle, m; for people."""
+
+    def __post_init__(self) -> None:
+        if not NAME.fullmatch(self.name):
+            raise InputError(f"measuring point {self.name!r} is no name: give letters, digits, single underscores")
+
+
+@dataclass(frozen=True)
 class TorquePlace:
     """A part at which a torque can act."""
 
@@ -100,6 +116,8 @@ class ImportedWheelset:
     static_lift: Rows = ()
     """(2, 2) m/N: lift of wheel 1, 2 (rows) by 1 N on wheel 1, 2, if the residual compliance is wanted."""
     torque_places: tuple[TorquePlace, ...] = ()
+    measuring_points: tuple[MeasuringPoint, ...] = ()
+    """Nodes for sensors."""
 
     def __post_init__(self) -> None:
         check(self)
@@ -129,6 +147,12 @@ class ImportedWheelset:
             _shape(f"stress_nodes.{node.name}.modal", node.modal, found, 6)
             _shape(f"stress_nodes.{node.name}.static", node.static, 2, 6)
             _shape(f"stress_nodes.{node.name}.own_weight", node.own_weight, 6, optional=True)
+        for point in self.measuring_points:
+            _shape(f"measuring_points.{point.name}.modal_lift", point.modal_lift, found)
+            _shape(f"measuring_points.{point.name}.position", point.position, 3, optional=True)
+        names = [point.name for point in self.measuring_points]
+        if len({*names}) < len(names):
+            raise InputError(f"measuring_points has names {', '.join(names)}: give each a name of its own")
         self._check_units()
 
     @property
@@ -165,27 +189,33 @@ class ImportedWheelset:
             )
         return float(1.0 / second)
 
-    def reduced(self, vehicle: Vehicle | None = None) -> ReducedWheelset:
-        """Reduced model of its modes, under a vehicle if there is one."""
+    def reduced(self, vehicle: Vehicle | None = None, sensors: Sequence[SensorRow] = ()) -> ReducedWheelset:
+        """Reduced model of its modes, under a vehicle if there is one, with the rows that ``sensors`` read."""
         modes, (omega, norm, modal, static, of_modes) = self.modes, self._normalised()
         ratios = -np.array(modes.poles)[:, 0] / omega if modes.poles else np.array(modes.damping_ratios)
         lift = np.array(modes.lift) / norm
         damping = np.diag(2 * ratios * omega)
+        boxes, frame = np.zeros_like(lift), None
         if modes.suspension:
             boxes = np.array(modes.suspension) / norm
             damping += self.suspension_damping * boxes @ boxes.T
         nodes = len(self.stress_nodes)
         compliance = lift.T @ (lift / omega[:, np.newaxis] ** 2)
         shapes, rows = lift, modal.transpose(0, 2, 1)
+        points = self._point_weights(sensors, norm)
         if vehicle is not None:
             spring, dashpot = self.suspension_stiffness, self.suspension_damping
-            omega, damping, own, stress = on_vehicle(
+            omega, damping, own, frame, stress = on_vehicle(
                 omega, damping, boxes, rows.reshape(-1, len(omega)), spring, dashpot, vehicle
             )
             shapes, rows = own.T @ lift, stress.reshape(nodes, 6, len(omega))
+            boxes, points = own.T @ boxes, points @ own
         poles, left, right = diagonalised(omega, damping)
         order = np.argsort(np.abs(poles), kind="stable")
         poles, left, right = poles[order], left[order], right[:, order]
+        spring = self.suspension_stiffness if any(isinstance(row, SuspensionReaction) for row in sensors) else 0.0
+        weights = points + box_weights(sensors, boxes, frame, spring, self.suspension_damping)
+        sensor_outputs, sensor_feedthrough = rates(weights, right, poles, left @ shapes)
         return ReducedWheelset(
             poles=poles,
             inputs=left @ shapes,
@@ -197,6 +227,8 @@ class ImportedWheelset:
             node_positions=self._positions,
             mass=self.mass,
             rolling_radius=self.rolling_radius,
+            sensor_outputs=sensor_outputs,
+            sensor_feedthrough=sensor_feedthrough,
         )
 
     def torsion(self, moments: Mapping[str, float]) -> Around:
@@ -214,6 +246,15 @@ class ImportedWheelset:
         """Stress at the nodes of the own weight, which bends the axle in the vertical plane."""
         stresses = np.array([node.own_weight for node in self.stress_nodes]).reshape(-1, 6)
         return Around.vertical_of_points(stresses, angles_of(self._positions))
+
+    def _point_weights(self, sensors: Sequence[SensorRow], norm: Real) -> Real:
+        """Weights (S, 3, P) on the modes of the rows of measuring points, as in ``sensor_rows``."""
+        weights = np.zeros((len(sensors), 3, len(norm)))
+        lifts = {point.name: point.modal_lift for point in self.measuring_points}
+        for row, weight in zip(sensors, weights, strict=True):
+            if isinstance(row, NamedMotion):
+                weight[row.order] = np.array(lifts[row.name]) / norm[:, 0]
+        return weights
 
     @property
     def _positions(self) -> Real:

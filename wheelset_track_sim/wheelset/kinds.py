@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -16,13 +16,14 @@ from .imported import ImportedWheelset
 from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .reduction import reduced_wheelset
+from .sensor_rows import SensorRow
 from .vehicle import Vehicle
 from .wheelset import Wheelset
 
 AnyWheelset = Wheelset | ImportedWheelset
 TABLES = ("poles", "lift", "suspension", "modal", "static", "static_lift")
 """Arrays of imported wheelsets that a file may hold as text, a row a line."""
-LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position", "own_weight")
+LISTS = ("frequencies", "damping_ratios", "modal_masses", "contacts", "position", "own_weight", "modal_lift")
 """The same without rows."""
 
 
@@ -98,12 +99,18 @@ def mass_of(wheelset: AnyWheelset) -> float:
 
 
 def reduce_wheelset(
-    wheelset: AnyWheelset, progress: Progress | None = None, vehicle: Vehicle | None = None
+    wheelset: AnyWheelset,
+    progress: Progress | None = None,
+    vehicle: Vehicle | None = None,
+    rows: Sequence[SensorRow] = (),
 ) -> ReducedWheelset:
-    """Reduced model of either kind, under a vehicle if there is one; from the cache if it takes long to build."""
+    """Reduced model of either kind, under a vehicle if there is one; from the cache if it takes long to build.
+
+    ``rows`` are what sensors read, of the kinds that this wheelset has.
+    """
     if isinstance(wheelset, ImportedWheelset):
-        return wheelset.reduced(vehicle)
-    return reduced_wheelset(wheelset, vehicle=vehicle, progress=progress)
+        return wheelset.reduced(vehicle, rows)
+    return reduced_wheelset(wheelset, vehicle=vehicle, rows=rows, progress=progress)
 
 
 def primary_suspension(wheelset: AnyWheelset) -> tuple[float, float]:

@@ -7,11 +7,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import acos, sin
+from math import acos, sin, sqrt
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity
 
+LEAST_BOX = 1.0
+"""Mass of an axle box that moves by itself, kg."""
+SOFTEST_BEARING = 10.0
+"""Of the stiffness of the suspension: a softer bearing would be a suspension itself."""
 THICKEST_BORE = 0.8
 """Of the diameter of a section: a thinner wall is no axle any more."""
 
@@ -222,6 +226,8 @@ class AxleBoxes(Checked):
 
     The surface, ``bearing_length`` long and symmetric about ``distance``, carries the reaction evenly in y and as
     cos(theta) around: unlike a node it gives results that do not depend on the mesh.
+
+    With ``bearing_stiffness`` a spring and a damper stand between journal and box, and the box moves by itself.
     """
 
     distance: float = quantity("m", 0.5, 1.5, "the distance of an axle box from the track's centre")
@@ -229,6 +235,37 @@ class AxleBoxes(Checked):
     mass: float = quantity("kg", 0.0, 1000.0, "the mass of one axle box")
     stiffness: float = quantity("N/m", 1e4, 1e9, "the vertical stiffness of one primary suspension")
     damping: float = quantity("N s/m", 0.0, 1e6, "the vertical damping of one primary suspension")
+    bearing_stiffness: float | None = quantity(
+        "N/m", 1e8, 1e11, "the vertical stiffness of one bearing, with its box", default=None
+    )
+    """Between journal and box; None is a rigid bearing."""
+    bearing_damping: float | None = quantity(
+        "N s/m", 0.0, 1e7, "the vertical damping of one bearing, with its box", default=None
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        stiffness, damping = self.bearing_stiffness, self.bearing_damping
+        if (stiffness is None) != (damping is None):
+            raise InputError("axle_boxes has one of bearing_stiffness and bearing_damping: give both, or none")
+        if stiffness is None or damping is None:
+            return
+        if self.mass < LEAST_BOX:
+            raise InputError(
+                f"axle_boxes.mass = {self.mass:g} kg is too little for an elastic bearing: give {LEAST_BOX:g} kg or "
+                "more, or leave bearing_stiffness out"
+            )
+        if stiffness < SOFTEST_BEARING * self.stiffness:
+            raise InputError(
+                f"axle_boxes.bearing_stiffness = {stiffness:g} N/m is below {SOFTEST_BEARING:g} times the suspension's "
+                f"{self.stiffness:g} N/m: give the bearing's own stiffness, usually about 1e9 N/m"
+            )
+        critical = 2.0 * sqrt(stiffness * self.mass)
+        if damping > critical:
+            raise InputError(
+                f"axle_boxes.bearing_damping = {damping:g} N s/m is above the critical damping of the box on its "
+                f"bearing: give up to {critical:.4g} N s/m"
+            )
 
 
 @dataclass(frozen=True)

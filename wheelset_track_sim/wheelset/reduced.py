@@ -5,6 +5,7 @@ With the real contact forces F (2,) in N, positive in compression, and one compl
     q' = poles * q + inputs @ F
     xi_w = Re(outputs @ q)                               (2,) m, away from the rail
     sigma = Re(stress_outputs @ q) + stress_feedthrough @ F      (nodes, 6) Pa
+    sensed = Re(sensor_outputs @ q) + sensor_feedthrough @ F     (rows,) in SI units, see ``sensor_rows``
 
 Of a conjugate pair the pole with positive imaginary part is kept; its factor 2 is in the outputs. The type knows
 nothing of how the poles were found: modes computed or measured elsewhere can be imported through ``from_arrays``.
@@ -13,7 +14,7 @@ nothing of how the poles were found: modes computed or measured elsewhere can be
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -50,9 +51,15 @@ class ReducedWheelset:
     """kg, axle boxes included."""
     rolling_radius: float
     """m."""
+    sensor_outputs: Complex = field(default_factory=lambda: np.zeros((0, 0), np.complex128))
+    """(S, P) to the rows of sensors."""
+    sensor_feedthrough: Real = field(default_factory=lambda: np.zeros((0, 2)))
+    """(S, 2) of the forces at the same instant."""
 
     def __post_init__(self) -> None:
-        modes, nodes = len(self.poles), len(self.node_names)
+        modes, nodes, rows = len(self.poles), len(self.node_names), len(self.sensor_outputs)
+        if not rows:
+            object.__setattr__(self, "sensor_outputs", np.zeros((0, modes), np.complex128))
         shapes = {
             "poles": (modes,),
             "inputs": (modes, 2),
@@ -61,6 +68,8 @@ class ReducedWheelset:
             "stress_feedthrough": (nodes, 6, 2),
             "displacement_residual": (2, 2),
             "node_positions": (nodes, 3),
+            "sensor_outputs": (rows, modes),
+            "sensor_feedthrough": (rows, 2),
         }
         for name, shape in shapes.items():
             array = getattr(self, name)
@@ -131,4 +140,6 @@ class ReducedWheelset:
             node_positions=read("node_positions", np.float64),
             mass=float(read("mass", np.float64)),
             rolling_radius=float(read("rolling_radius", np.float64)),
+            sensor_outputs=read("sensor_outputs", np.complex128),
+            sensor_feedthrough=read("sensor_feedthrough", np.float64),
         )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from .harmonics import HARMONICS, harmonic, total_mass
 from .mesh import wheelset_mesh
 from .reduced import ReducedWheelset
 from .section_mesh import SectionMesh
+from .sensor_rows import SensorRow, box_weights, point_weights, rates, strain_shapes
 from .stress_points import StressPoints
 from .vehicle import Vehicle, on_vehicle
 from .wheelset import Wheelset
@@ -46,6 +49,10 @@ class Poles:
     """(2, 2) static compliance less that of the modes, m/N."""
     static_stress: Real
     """(rows, 2) static stress of the finite elements over force, Pa/N."""
+    sensors: Complex
+    """(S, modes) to the rows of sensors."""
+    sensor_feedthrough: Real
+    """(S, 2) of their forces."""
 
 
 def reduced_wheelset(
@@ -53,22 +60,24 @@ def reduced_wheelset(
     *,
     max_frequency: float = MAX_FREQUENCY,
     vehicle: Vehicle | None = None,
+    rows: Sequence[SensorRow] = (),
     progress: Progress | None = None,
 ) -> ReducedWheelset:
     """Reduced model from the cache of models, built if it is not there; arguments as of `build_reduced_wheelset`."""
     build = build_reduced_wheelset
-    return cached("wheelset", ReducedWheelset, build, wheelset, max_frequency, vehicle, progress=progress)
+    return cached("wheelset", ReducedWheelset, build, wheelset, max_frequency, vehicle, tuple(rows), progress=progress)
 
 
 def build_reduced_wheelset(
     wheelset: Wheelset,
     max_frequency: float = MAX_FREQUENCY,
     vehicle: Vehicle | None = None,
+    rows: tuple[SensorRow, ...] = (),
     progress: Progress | None = None,
 ) -> ReducedWheelset:
     """Reduced model with all modes of harmonics 0 to 6 to ``max_frequency`` Hz, and with those of a vehicle.
 
-    ``progress`` is called with a stage and the fraction done (0 to 1).
+    ``rows`` are what sensors read. ``progress`` is called with a stage and the fraction done (0 to 1).
     """
     report = progress or unreported
     report("wheelset mesh", 0.0)
@@ -77,7 +86,7 @@ def build_reduced_wheelset(
     parts = []
     for n in HARMONICS:
         report(f"wheelset modes, n = {n}", n / len(HARMONICS))
-        parts.append(_poles(wheelset, mesh, n, samples, max_frequency, vehicle if n == 1 else None))
+        parts.append(_poles(wheelset, mesh, n, samples, max_frequency, vehicle if n == 1 else None, rows))
     report("wheelset poles", 1.0)
 
     poles = np.concatenate([part.poles for part in parts])
@@ -102,6 +111,8 @@ def build_reduced_wheelset(
         node_positions=stress_points.positions(wheelset, wheelset.stress_nodes, y),
         mass=total_mass(wheelset, mesh),
         rolling_radius=wheelset.wheel.rolling_radius,
+        sensor_outputs=np.concatenate([part.sensors for part in parts], axis=1)[:, order],
+        sensor_feedthrough=sum((part.sensor_feedthrough for part in parts), np.zeros((len(rows), 2))),
     )
 
 
@@ -123,8 +134,9 @@ def _poles(
     samples: StressPoints,
     max_frequency: float,
     vehicle: Vehicle | None,
+    rows: Sequence[SensorRow],
 ) -> Poles:
-    """Modes of harmonic ``n`` with Rayleigh damping and the full modal matrix of the suspension's dashpots."""
+    """Modes of harmonic ``n`` with Rayleigh damping and the full modal matrix of the dashpots."""
     model = harmonic(wheelset, mesh, n)
     frequencies, modes = model.modes(max_frequency)
     omega = 2 * np.pi * frequencies
@@ -133,22 +145,35 @@ def _poles(
 
     material = wheelset.material
     damping = np.diag(material.mass_damping + material.stiffness_damping * omega**2)
-    damping += wheelset.axle_boxes.damping * boxes @ boxes.T
+    spring, dashpot = wheelset.axle_boxes.stiffness, wheelset.axle_boxes.damping
+    damping += dashpot * boxes @ boxes.T
+    if wheelset.axle_boxes.bearing_damping is not None:
+        bearings = modes.T @ model.bearings
+        damping += wheelset.axle_boxes.bearing_damping * bearings @ bearings.T
     static = model.static(model.contacts)
     residual = model.contacts.T @ static - contacts.T @ (contacts / omega[:, None] ** 2)
     modal_stress = stress @ modes
+    gauges = strain_shapes(rows, wheelset, mesh, n) @ model.free
+    strain, points, frame = gauges @ modes, point_weights(rows, mesh, n, model.free @ modes), None
     if vehicle is not None:
-        spring, dashpot = wheelset.axle_boxes.stiffness, wheelset.axle_boxes.damping
-        omega, damping, shapes, modal_stress = on_vehicle(omega, damping, boxes, modal_stress, spring, dashpot, vehicle)
-        contacts = shapes.T @ contacts
+        coupled = partial(on_vehicle, omega, damping, boxes, spring=spring, dashpot=dashpot, vehicle=vehicle)
+        strain = coupled(stress=strain).stress
+        omega, damping, shapes, frame, modal_stress = coupled(stress=modal_stress)
+        contacts, boxes, points = shapes.T @ contacts, shapes.T @ boxes, points @ shapes
     poles, left, right = diagonalised(omega, damping)
+    inputs = left @ contacts
+    weights = points + box_weights(rows, boxes, frame, spring, dashpot)
+    weights[:, 0] += strain
+    sensors, sensor_feedthrough = rates(weights, right, poles, inputs)
     return Poles(
         poles=poles,
-        inputs=left @ contacts,
+        inputs=inputs,
         outputs=contacts.T @ right,
         stress=modal_stress @ right,
         residual=residual,
         static_stress=stress @ static,
+        sensors=sensors,
+        sensor_feedthrough=sensor_feedthrough + gauges @ static + (strain @ right / poles @ inputs).real,
     )
 
 

@@ -61,18 +61,21 @@ def check_stress_nodes(nodes: Sequence[StressNode], axle: Axle, attached: Sequen
     """
     check_names([node.name for node in nodes])
     after = [step.after for step in axle.steps()]
-    start, end = axle.start, axle.sections[-1].end
     for node in nodes:
         where = f"stress_nodes.{node.name}"
         if node.y is None:
             if node.after not in after:
                 given = f"{where}.after = {node.after!r}"
                 raise InputError(unknown("fillet (section it ends)", given, str(node.after), after))
-        elif not start <= node.y <= end:
-            raise InputError(f"{where}.y = {node.y:g} m is not on the axle: give {start:g} to {end:g} m")
         else:
-            for what, low, high in attached:
-                if low <= node.y <= high:
-                    raise InputError(
-                        f"{where}.y = {node.y:g} m is under {what}, {low:g} to {high:g} m: give a y beside it"
-                    )
+            check_free_surface(f"{where}.y", node.y, axle, attached)
+
+
+def check_free_surface(where: str, y: float, axle: Axle, attached: Sequence[tuple[str, float, float]]) -> None:
+    """Raise InputError for a place beyond the axle's ends, or under one of the ``attached`` parts."""
+    start, end = axle.start, axle.sections[-1].end
+    if not start <= y <= end:
+        raise InputError(f"{where} = {y:g} m is not on the axle: give {start:g} to {end:g} m")
+    for what, low, high in attached:
+        if low <= y <= high:
+            raise InputError(f"{where} = {y:g} m is under {what}, {low:g} to {high:g} m: give a y beside it")

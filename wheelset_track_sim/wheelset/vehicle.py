@@ -95,6 +95,8 @@ class OnVehicle(NamedTuple):
     """(Q, Q) modal matrix."""
     shapes: Real
     """(P, Q) the wheelset's own modes in them."""
+    frame: Real
+    """(Q, 2) lift of the frame's sides above the axle boxes."""
     stress: Real
     """(rows, Q) of stress."""
 
@@ -127,6 +129,7 @@ def on_vehicle(
         omega=np.sqrt(squares),
         damping=shapes.T @ dashpots @ shapes,
         shapes=shapes[: len(omega)],
+        frame=shapes[len(omega) : len(omega) + 2].T,
         stress=strained @ shapes,
     )
 

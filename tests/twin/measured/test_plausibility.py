@@ -123,7 +123,8 @@ def test_a_rail_that_pulls_is_warned_of(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scale", "words"), [(1e6, "is up to .* MPa, more than steel withstands"), (1e-6, "is up to 65 Pa, and axles")]
+    ("scale", "words"),
+    [(1e6, "is up to .* MPa, more than steel withstands"), (1e-6, "is up to 65 Pa, and axle stresses")],
 )
 def test_stresses_of_no_axle_are_named(folder: Path, scale: float, words: str) -> None:
     path = folder / "stress.csv"
