@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
+from ..inputs.text_files import is_file
 from .folder_metadata import METADATA, listed_files
 from .losses import Damage
 
@@ -46,7 +47,7 @@ def folder_files(folder: Path, begins: Callable[[Path], int | None]) -> FolderFi
         names = [*dict.fromkeys(listed_files(folder))]
     except InputError as reason:
         return _by_content(there, begins, Damage(METADATA, 0, 0, f"it cannot be read ({reason})"))
-    files = tuple(folder / name for name in names if _is_file(folder / name) and not name.endswith(OTHERS))
+    files = tuple(folder / name for name in names if is_file(folder / name) and not name.endswith(OTHERS))
     missing = tuple(Damage(name, 0, 0, "it is missing") for name in names if folder / name not in files)
     if not files:  # of another bag, or of files that were renamed
         found = _by_content(there, begins, *missing)
@@ -73,10 +74,3 @@ def _by_content(there: list[Path], begins: Callable[[Path], int | None], *damage
             shorter.append(Damage(file.name, 0, 0, words))
     kept += [file for file in there if first[file] is None]
     return FolderFiles(tuple(kept), (*damages, *shorter), tuple(copies))
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # a name that is too long
-        return False

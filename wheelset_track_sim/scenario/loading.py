@@ -9,8 +9,10 @@ from typing import Any
 from ..contact.named_profiles import with_points
 from ..errors import InputError
 from ..inputs import shipped
+from ..inputs.amounts import whole_number
 from ..inputs.schema import read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
+from ..inputs.text_files import is_file
 from ..inputs.yaml12 import parse
 from .meaning import quantity_at
 from .scenario import TRACK, WHEELSET, Scenario
@@ -50,7 +52,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     data = load_yaml("scenarios", name_or_path)
     if not isinstance(data, dict):
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
-    if Path(name_or_path).is_file():
+    if is_file(Path(name_or_path)):
         _find_beside(data, Path(name_or_path).parent)
     for change in overrides:
         override(data, change)
@@ -129,7 +131,7 @@ def _find_beside(data: dict[str, Any], folder: Path) -> None:
     places += [(item, "file") for item in (irregularities if isinstance(irregularities, list) else ())]
     for place, key in places:
         name = place.get(key) if isinstance(place, dict) else None
-        if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
+        if isinstance(name, str) and Path(name).suffix and is_file(folder / name):
             place[key] = str(folder / name)
 
 
@@ -144,7 +146,7 @@ def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
 
 def _names_file(path: Path) -> bool:
     """Whether a name means a file: one that exists, or that would be one by its suffix."""
-    return path.suffix.lower() in (".yaml", ".yml", ".npz") or path.is_file()
+    return path.suffix.lower() in (".yaml", ".yml", ".npz") or is_file(path)
 
 
 def _entry(place: Any, part: str, where: str) -> Any:
@@ -156,6 +158,7 @@ def _entry(place: Any, part: str, where: str) -> Any:
 
 
 def _index(place: list[Any], part: str, where: str) -> int:
-    if not part.isdigit() or int(part) >= len(place):
+    index = whole_number(part)
+    if index is None or index >= len(place):
         raise InputError(f"{where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)")
-    return int(part)
+    return index

@@ -24,7 +24,7 @@ def quantity_at(key: str) -> Quantity | None:
     for part in key.split("."):
         inner: list[type] = []
         for owner in owners:
-            if part.isdigit():
+            if part.isdecimal():
                 inner.append(owner)
             for field in fields(owner):
                 if field.name == part:
