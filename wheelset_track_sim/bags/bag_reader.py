@@ -90,6 +90,8 @@ class BagReader:
             raise NoBagError(f"{path} does not exist: give a bag folder or an .mcap file")
         if path.is_file():
             return FolderFiles((path,))
+        if not path.is_dir():
+            raise NoBagError(f"{path} is a device or a pipe: give a bag folder or an .mcap file")
         found = folder_files(path, self.quiet.begins)
         if not found.files:
             inside = min((file.parent for file in path.glob("*/*.mcap")), default=None)  # of snapshots, of recordings
