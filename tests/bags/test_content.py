@@ -3,6 +3,7 @@
 import base64
 import json
 import math
+import os
 import re
 import zlib
 from collections.abc import Callable
@@ -26,8 +27,10 @@ from wheelset_track_sim.bags.playback.selection import Selection
 from wheelset_track_sim.bags.recover import recover
 from wheelset_track_sim.bags.run_info import RunInfo, _checksum, decode_inputs
 from wheelset_track_sim.errors import RecordingError, WheelsetTrackError
+from wheelset_track_sim.inputs.yaml12 import dump
 from wheelset_track_sim.report.survey import survey
 from wheelset_track_sim.samples.impacts import Impact
+from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.twin.run_inputs import run_inputs
 
 CHUNKS, LENGTH = 6, 20
@@ -153,6 +156,9 @@ def test_numbers_that_are_none_are_refused_and_named(
         (SUMMARY, field("max_principal_rms", np.zeros(5)), "it names 3 nodes, and has the extremes of others"),
         (SUMMARY, field("wheel_1_max_force", math.nan), "max_force of wheel 1 from step .* is nan"),
         (SUMMARY, field("samples", 0), "it holds no samples"),
+        (SUMMARY, field("wheel_1_rms_force", 1e200), r"rms_force of wheel 1 from step .* is 1e\+200"),
+        (SUMMARY, array("max_principal_max", 1, -1e200), "extremes of stresses from step .* are beyond 1e\\+30 Pa"),
+        (FORCES, array("wheel_1", 1, 1e200), r"wheel_1 from step \d+ on has 1e\+200"),
     ],
 )
 def test_what_no_run_can_have_is_a_located_loss(
@@ -236,8 +242,10 @@ def test_scenarios_that_are_none(tmp_path: Path, source: Source, scenario: str) 
         ("[" * 100_000, "inputs of the run cannot be read"),
         ("[[0, 0]]", "inputs of the run cannot be read"),
         ('{"a": 1}', "inputs of the run cannot be read"),
+        ("[" + "[], " * 100_000 + "[]]", "not of two whole numbers and a text"),
+        ("[" + '[1, 1, "a"], ' * 10_000 + '[1, 1, "a"]]', "there are more than 10000"),
     ],
-    ids=["infinite", "truth", "digits", "deep", "short", "mapping"],
+    ids=["infinite", "truth", "digits", "deep", "short", "mapping", "lists", "many"],
 )
 def test_inputs_that_are_none(tmp_path: Path, source: Source, text: str, reason: str) -> None:
     records = record_with(source.records, inputs=packed(text))
@@ -250,6 +258,40 @@ def test_inputs_that_are_none(tmp_path: Path, source: Source, text: str, reason:
     assert not found.complete
     assert any("the description of its run cannot be read" in str(loss) for loss in found.losses)
     assert_held(path)
+
+
+@pytest.mark.parametrize("what", [FORCES, STRESS])
+def test_samples_that_come_twice_are_a_loss(tmp_path: Path, source: Source, what: str) -> None:
+    """It cannot be told which of the two is right."""
+    number = source.of(what)[4]
+    twice = [*source.entries[:number], source.entries[number], *source.entries[number:]]
+    path = write(tmp_path / "run.mcap", twice, source.records)
+    found = overview(path)
+    assert not found.complete
+    assert any("come twice" in str(loss) or "incomplete without" in str(loss) for loss in found.losses)
+    with pytest.raises(RecordingError, match=r"come twice|incomplete without"):
+        read_bag(path)
+    assert len(read_bag(path, lost=[].append)) == STEPS
+
+
+@pytest.mark.parametrize("key", ["track", "wheelset", "vehicle", "roughness", "profile", "profiles"])
+@pytest.mark.parametrize("name", ["secret", "./secret.csv", "secret.npz"])
+def test_a_scenario_of_a_bag_opens_no_file(
+    tmp_path: Path, source: Source, key: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever names one, and however it is written."""
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo(name)
+    content: Any = {"base": name} if key in ("track", "wheelset", "vehicle") else {"wheel_1": {"file": name}}
+    if key in ("roughness", "profile"):
+        key, content = "irregularities", [{"type": key, "on": "wheel_1", "file": name}]
+    scenario = dump(load_scenario("undamaged").to_mapping() | {key: content})
+    records = record_with(source.records, scenario=scenario, inputs=packed(json.dumps([[0, 0, scenario]])))
+    path = write(tmp_path / "run.mcap", source.entries, records)
+    with pytest.raises(RecordingError, match="scenario of revision 0 cannot be used here") as refusal:
+        run_inputs(Bag(path))
+    assert "pipe" not in str(refusal.value)  # nobody has looked
+    assert survey(path).scenario is None
 
 
 @pytest.mark.slow

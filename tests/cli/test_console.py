@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.table import Table
 
-from wheelset_track_sim.cli.console import terminal
+from wheelset_track_sim.cli.console import print_object, terminal
 from wheelset_track_sim.errors import InputError, RecordingError, WheelsetTrackError, printable
 
 HARMFUL = ["\x1b]0;title\x07", "\x1b[2J", "\x9b31m", "\r", "\x08", "\u202e", "\u2066", "\udcff", "\x00", "\x7f"]
@@ -36,6 +36,14 @@ def test_a_terminal_prints_names_in_text_titles_and_tables_plainly(text):
         console.print(table)
         console.print(f"lost: {text}", highlight=False, soft_wrap=True)
     assert all(plain(line) for line in captured.get().split("\n"))
+
+
+@pytest.mark.parametrize("text", HARMFUL)
+def test_an_object_on_a_terminal_is_plain(text, monkeypatch, capsys):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "dumb")  # no colours
+    print_object({text: [text]})
+    assert all(plain(line) for line in capsys.readouterr().out.split("\n"))
 
 
 @given(anything)

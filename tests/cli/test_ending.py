@@ -56,6 +56,14 @@ def test_a_full_disk_behind_standard_error_changes_no_status():
         assert run("info", "nothing", stderr=full) == (2, [])
 
 
+def test_too_little_memory_is_one_line(capsys):
+    def command():
+        raise MemoryError
+
+    assert status_of(command, "program") == 1
+    assert capsys.readouterr().err == "program: there is not enough memory: give a smaller input, or a higher limit\n"
+
+
 def test_a_working_folder_that_has_been_removed(tmp_path):
     gone = tmp_path / "gone"
     code = f"import os, sys; os.mkdir({str(gone)!r}); os.chdir({str(gone)!r}); os.rmdir({str(gone)!r}); "

@@ -28,6 +28,7 @@ pytestmark = [
     pytest.mark.fuzz,
     pytest.mark.slow,
     pytest.mark.filterwarnings("ignore::wheelset_track_sim.errors.InputWarning"),
+    pytest.mark.filterwarnings("ignore:Generating overly large repr"),  # of a failure, which it would hide
 ]
 quiet = settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=MUTANTS
@@ -46,7 +47,23 @@ TABLES = {
     "tread.csv": "angle [deg];wheel_1 [um]\n" + "".join(f"{a};{10 * np.sin(a / 57):.3f}\n" for a in range(0, 360, 20)),
     "forces.csv": "# truth\ntime_s,force_wheel_1_N,force_wheel_2_N\n"
     + "".join(f"{n / 1000},{98_100 + n},{98_100 - n}\n" for n in range(30)),
+    "stamped.csv": "time,Q left [kN];Q right [kN]\n".replace(",", ";")
+    + "".join(f"2025-11-30T10:53:{20 + n}.5Z;{98.1 + n};{98.1 - n}\n" for n in range(30)),
+    "wheel.prw": "header.begin\nunits.len.f = 1000\nunits.ang.f = 1\nrotate = 0.01\nbound.y.min = -70\n"
+    "bound.y.max = 60\nheader.end\nspline.begin\npoint.begin\n"
+    + "".join(f"{y} {0.001 * y * y - (20 if y > 30 else 0)} 0\n" for y in range(-60, 45, 5))
+    + "point.end\nspline.end\n",
+    "wheel.whl": "ProgramName=gauge\n\n"
+    + "".join(f"{y}\t{0.001 * y * y - (20 if y > 30 else 0)}\t0\n" for y in range(-60, 45, 5)),
 }
+ARRAYS = {
+    "modes.frequencies": np.array([85.0, 206.0]),
+    "modes.lift": np.ones((2, 2)),
+    "stress_nodes.0.name": np.array("A1"),
+    "stress_nodes.0.modal": np.ones((2, 6)),
+    "mass": np.array(1000.0),
+}
+"""A part of an imported wheelset."""
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +104,12 @@ def test_settings(data: st.DataObject) -> None:
     """What ``--set`` and lists of irregularities by service are given."""
     tree = parse((CONFIG / "scenarios" / "mixed.yaml").read_text(), "mixed")
     key = data.draw(
-        st.sampled_from(["speed", "track.pad.stiffness", "loads", "irregularities.0.h", "wheelset", "a.b", ""])
+        st.one_of(
+            st.sampled_from(["speed", "track.pad.stiffness", "loads", "irregularities.0.h", "wheelset", "a.b", ""]),
+            st.lists(st.sampled_from(["irregularities", "0", "\u00b2", "9" * 5000, "-1", "track", "pad"])).map(
+                ".".join
+            ),
+        )
     )
     value = data.draw(
         st.one_of(st.text(max_size=30), st.sampled_from(["[", "{a: 1}", "1e400", "&a [*a]", "!!python/x"]))
@@ -114,3 +136,29 @@ def test_tables(folder: Path, name: str, data: st.DataObject) -> None:
     rejected_in_one_line(read_measurement, path)
     for side in ("wheel", "rail"):
         rejected_in_one_line(lambda file, side=side: read_points(side, ProfileFile(file)), str(path))
+
+
+@pytest.mark.parametrize("suffix", ["npz", "npy"])
+@quiet
+@given(data=st.data())
+def test_arrays(folder: Path, suffix: str, data: st.DataObject) -> None:
+    """Files of NumPy, packed or not: members renamed, of other types and shapes, heads and bytes changed."""
+    path = folder / f"arrays.{suffix}"
+    names = st.sampled_from([*ARRAYS, "mass.a", "modes", "stress_nodes.\u00b2.name", "a" + ".a" * 50, ""])
+    values = st.sampled_from(
+        [
+            *ARRAYS.values(),
+            np.zeros((3, 0)),
+            np.array(["x"]),
+            np.array([1 + 2j]),
+            np.full((2, 2), np.nan),
+            np.zeros(5, "i1"),
+        ]
+    )
+    given = data.draw(st.dictionaries(names, values, max_size=5))
+    np.savez(path, **ARRAYS | given) if suffix == "npz" else np.save(path, data.draw(values))
+    content = path.read_bytes()
+    shape = data.draw(st.sampled_from([b"(2, 2)", b"(9, 9)", b"(10000000000000, 2)", b"(-1, 2)"]))
+    content = content.replace(b"(2, 2)", shape) if data.draw(st.booleans()) else content
+    path.write_bytes(data.draw(st.one_of(st.just(content), mutated_bytes(content))))
+    rejected_in_one_line(load_wheelset if suffix == "npz" else read_table, path)

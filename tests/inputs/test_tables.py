@@ -3,6 +3,7 @@
 import os
 import tracemalloc
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from support.written import Form, forms
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.inputs.tables import read_table
+from wheelset_track_sim.wheelset.kinds import load_wheelset
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 
@@ -110,6 +112,9 @@ def test_time_stamps_are_exact(
         (["a,b", "1,2", '"' + 200_000 * "x"], "line 3 has 1 cells"),
         (["30.11.2025 10:53;1", "30.11.2025 10:54;2"], "'30.11.2025 10:54' is not a number.*2025-11-30T10:53:20.5Z"),
         (["2025-13-30T10:53:20;1"], "'2025-13-30T10:53:20' is not a number"),
+        (["time [s],b", "-1e40060,3"], "line 2: -inf is not finite"),
+        (["time [s],b", "1e9,3", "1e999999999,3"], r"line 3: '1e999999999' is no time: give a number below 1e\+30"),
+        (["time [s],b", "1e9,3", "snan,3"], "line 3: 'snan' is no time"),
     ],
 )
 def test_what_is_no_table_is_refused_by_line(tmp_path: Path, lines: list[str], words: str) -> None:
@@ -167,6 +172,40 @@ def test_a_file_that_is_no_array_is_refused(tmp_path: Path) -> None:
     (tmp_path / "broken.npy").write_bytes(b"no array")
     with pytest.raises(InputError, match="is not a NumPy file"):
         read_table(tmp_path / "broken.npy")
+
+
+@pytest.mark.parametrize("shape", ["(1000000000000, 2)", "(10000000000000000000000, 2)", "(-1, 2)", "('", "(2,"])
+@pytest.mark.parametrize("suffix", ["npy", "npz"])
+def test_the_head_of_an_array_is_not_believed(tmp_path: Path, suffix: str, shape: str) -> None:
+    head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    content = b"\x93NUMPY\x01\x00\x76\x00" + head.encode() + bytes(32)
+    path = tmp_path / f"array.{suffix}"
+    path.write_bytes(content)
+    if suffix == "npz":
+        with ZipFile(path, "w") as packed:
+            packed.writestr("a.npy", content)
+    with pytest.raises(InputError, match=r"is not a NumPy file|cannot be read"):
+        read_table(path) if suffix == "npy" else load_wheelset(path)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "words"),
+    [
+        ({"zeros": np.zeros(10**8 + 1, "i1")}, "unpacks to 1000001[0-9]+ bytes: give at most 100000000"),
+        ({"zeros": np.zeros(2_000_001, "i1")}, "zeros has 2000001 numbers: give at most 2000000"),
+        ({"a": np.zeros(3), "a.b": np.zeros(3)}, "a.b is within a, which is an array"),
+    ],
+)
+def test_arrays_unpack_to_a_bounded_size(tmp_path: Path, arrays: dict[str, np.ndarray], words: str) -> None:
+    np.savez_compressed(tmp_path / "bomb.npz", allow_pickle=False, **arrays)
+    with pytest.raises(InputError, match=words):
+        load_wheelset(tmp_path / "bomb.npz")
+
+
+@pytest.mark.parametrize("name", ["a\0b.csv", "\ud800.csv", "x" * 5000, "a\0b.npy"])
+def test_names_that_no_file_can_have_are_refused(name: str) -> None:
+    with pytest.raises(InputError, match=r"cannot be the name of a file|cannot be read"):
+        read_table(Path(name))
 
 
 def test_units_are_asked_for_and_not_contradicted(tmp_path: Path) -> None:

@@ -3,8 +3,10 @@
 import copy
 import resource
 import signal
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from hypothesis import settings
@@ -16,12 +18,20 @@ PROCESSOR_TIME = 10.0
 """Bound on an operation, s of processor."""
 MEMORY = 1 << 30
 """Bound on what an operation takes beyond what the process has, bytes."""
+FIGURES: dict[str, float] = {}
+"""Of all operations of a test: their number, the slowest, s of processor, and the largest, bytes."""
 
 NUMBERS = [-1, 0, 1, 2**31, 2**63, 2**64 - 1, 10**400, 1e308, -1e-320, float("inf"), float("nan"), True, None]
 WORDS = [
     "",
     "x" * 5000,
     "../x",
+    "a\0b",
+    "\ud800",
+    "\x9b31m",
+    "a\nb",
+    "9" * 5000,
+    "\u00b2",
     "/dev/zero",
     "/etc/passwd",
     "\x1b[31m",
@@ -39,7 +49,23 @@ ODD = st.one_of(
     st.integers(-10, 10),
     st.text(max_size=8),
 )
-PIECES = [b"\x00", b"\xff", b"1e400", b";", b",", b"\t", b"\n", b'"', b"#", b"[", b"nan", b"-", b"\xb5m", b"0x1"]
+PIECES = [
+    b"\x00",
+    b"\xff",
+    b"1e400",
+    b"1e999999",
+    b";",
+    b",",
+    b"\t",
+    b"\n",
+    b'"',
+    b"#",
+    b"[",
+    b"nan",
+    b"-",
+    b"\xb5m",
+    b"0x1",
+]
 
 
 def places(tree: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
@@ -70,7 +96,7 @@ def mutated_trees(draw: st.DrawFn, tree: Any) -> Any:
     for _ in range(draw(st.integers(1, 3))):
         ways = list(places(found))[1:]
         if not ways:
-            return draw(ODD)
+            return copy.deepcopy(draw(ODD))
         *path, last = draw(st.sampled_from(ways))
         place = found
         for step in path:
@@ -87,7 +113,7 @@ def mutated_trees(draw: st.DrawFn, tree: Any) -> Any:
             other = _value(found, draw(st.sampled_from(ways)))
             place[last] = copy.deepcopy(other)
         else:
-            place[last] = draw(ODD)
+            place[last] = copy.deepcopy(draw(ODD))  # which may be changed in turn
     return found
 
 
@@ -106,23 +132,7 @@ def mutated_bytes(draw: st.DrawFn, content: bytes) -> bytes:
         elif how == "double":
             found[start:start] = found[start : start + length]
         elif how == "insert":
-            pieces = [
-                b"\x00",
-                b"\xff",
-                b"1e400",
-                b";",
-                b",",
-                b"\t",
-                b"\n",
-                b'"',
-                b"#",
-                b"[",
-                b"nan",
-                b"-",
-                b"\xb5m",
-                b"0x1",
-            ]
-            found[start:start] = draw(st.sampled_from(pieces)) * draw(st.integers(1, 3))
+            found[start:start] = draw(st.sampled_from(PIECES)) * draw(st.integers(1, 3))
         else:
             del found[start:]
     return bytes(found)
@@ -130,20 +140,33 @@ def mutated_bytes(draw: st.DrawFn, content: bytes) -> bytes:
 
 @contextmanager
 def bounded() -> Iterator[None]:
-    """Fail what takes more processor time or memory than an input of its size may."""
+    """Fail what takes more processor time or memory than an input of its size may; ``FIGURES`` notes both."""
 
     def too_long(number: int, frame: Any) -> None:
         raise AssertionError(f"it took more than {PROCESSOR_TIME} s of processor")
 
-    with open("/proc/self/statm") as statm:  # noqa: PTH123
-        used = int(statm.read().split()[0]) * resource.getpagesize()
-    before = resource.getrlimit(resource.RLIMIT_AS)
-    handler = signal.signal(signal.SIGVTALRM, too_long)
-    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, before[1]))
-    signal.setitimer(signal.ITIMER_VIRTUAL, PROCESSOR_TIME)
+    resting, before = _kilobytes("VmRSS"), resource.getrlimit(resource.RLIMIT_AS)
+    Path("/proc/self/clear_refs").write_text("5")  # the largest size so far is that of now
+    handler = signal.signal(signal.SIGPROF, too_long)
+    resource.setrlimit(resource.RLIMIT_AS, (1024 * _kilobytes("VmSize") + 2 * MEMORY, before[1]))
+    signal.setitimer(signal.ITIMER_PROF, PROCESSOR_TIME)
+    begun = time.process_time()
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        took = time.process_time() - begun
         resource.setrlimit(resource.RLIMIT_AS, before)
-        signal.signal(signal.SIGVTALRM, handler)
+        signal.signal(signal.SIGPROF, handler)
+        grown = 1024 * (_kilobytes("VmHWM") - resting)
+        FIGURES["operations"] = FIGURES.get("operations", 0) + 1
+        FIGURES["slowest"] = max(FIGURES.get("slowest", 0.0), took)
+        FIGURES["largest"] = max(FIGURES.get("largest", 0.0), grown)
+        assert took < PROCESSOR_TIME  # though the operation may have caught the error above
+        assert grown < MEMORY
+
+
+def _kilobytes(name: str) -> int:
+    """A size of this process, kB."""
+    status = Path("/proc/self/status").read_text()
+    return int(status[status.index(name) :].split(maxsplit=2)[1])

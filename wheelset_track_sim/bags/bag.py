@@ -132,7 +132,7 @@ class Bag:
                 raise RecordingError(
                     f"{self.path} holds only every {message.decimation}th step of {topic.name}: record it at full rate"
                 )
-            group = groups.add(signal, message, len(found.message.data))
+            group = self.reader.made(found, partial(groups.add, signal, message, len(found.message.data)))
             if group is None:
                 self._leave_out(groups, groups.oldest(HELD), window)
                 continue

@@ -95,6 +95,8 @@ class BagReader:
                 if not is_bag(stream):
                     raise NoBagError(f"{path} is neither MCAP nor SQLite: give a bag folder, or an .mcap or .db3 file")
             return FolderFiles((path,))
+        if not path.is_dir():
+            raise NoBagError(f"{path} is a device or a pipe: give a bag folder or an .mcap file")
         found = folder_files(path, self.quiet.begins)
         if not found.files:
             inside = min((file.parent for file in path.glob("*/*.mcap")), default=None)  # of snapshots, of recordings

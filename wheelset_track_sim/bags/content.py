@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 from ..samples.decimation import FACTOR
 from ..scenario import WHEELS
@@ -18,6 +19,8 @@ LATEST = 9e9
 """Largest simulated time, s: 2^63 ns."""
 LAST = 2**64 - 2**32
 """Largest step."""
+BEYOND = 1e30
+"""Forces, N, and stresses, Pa, of no run; their squares are still numbers."""
 STEP = (1e-6, 1.0)
 """Smallest and largest step along the track, m."""
 
@@ -64,8 +67,13 @@ def check_finite(message: Any) -> None:
     """Raise ContentError for a ContactForces or AxleStress with a sample that is not finite."""
     for name in COMPONENTS if hasattr(message, "node") else WHEELS:
         values = getattr(message, name)
-        if not math.isfinite(values.sum()) and not np.isfinite(values).all():
-            raise ContentError(f"{name} from step {message.first_step} on has {values[~np.isfinite(values)][0]}")
+        if not _held(values):
+            raise ContentError(f"{name} from step {message.first_step} on has {values[~(abs(values) < BEYOND)][0]}")
+
+
+def _held(values: Real) -> bool:
+    """Whether all values are numbers that a run can have."""
+    return bool(not values.size or (values.min() > -BEYOND and values.max() < BEYOND))
 
 
 def checked_block(forces: Any, stresses: Sequence[Any]) -> SampleBlock:
@@ -80,8 +88,8 @@ def checked_block(forces: Any, stresses: Sequence[Any]) -> SampleBlock:
     names = [f"contact force {wheel}" for wheel in WHEELS]
     names += [f"stress {node} {component}" for node in block.nodes for component in COMPONENTS]
     for begun, values in ((0, block.forces), (len(WHEELS), block.stresses.reshape(samples, -1))):
-        if not math.isfinite(values.sum()) and not np.isfinite(values).all():  # the sum is quick, and may overflow
-            row, column = np.argwhere(~np.isfinite(values))[0]
+        if not _held(values):
+            row, column = np.argwhere(~(abs(values) < BEYOND))[0]
             raise ContentError(
                 f"{names[begun + column]} at step {block.first_step + int(row)} is {values[row, column]}"
             )

@@ -85,11 +85,4 @@ def _by_content(there: list[Path], begins: Callable[[Path], int | None], *damage
 def _packed_or_not(path: Path) -> Path | None:
     """A file that is listed, or what ``ros2 bag`` has unpacked it to; None if neither is there."""
     unpacked = path.with_name(path.name.removesuffix(PACKED))
-    return next((file for file in (path, unpacked) if _is_file(file)), None)
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # a name that is too long
-        return False
+    return next((file for file in (path, unpacked) if is_file(file)), None)

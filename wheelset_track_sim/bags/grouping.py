@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
+from .content import ContentError
+
 
 class Stepped(Protocol):
     """Consecutive samples."""
@@ -54,8 +56,13 @@ class Groups:
         return iter(self._waiting.values())
 
     def add(self, signal: str, message: Any, size: int) -> Group | None:
-        """Add a message of ``size`` bytes; its group, once that is complete."""
+        """Add a message of ``size`` bytes; its group, once that is complete.
+
+        ContentError for a second message of the same samples: it cannot be told which of the two is right.
+        """
         group = self._waiting.setdefault(message.first_step, Group(message.first_step))
+        if signal in group.messages:
+            raise ContentError(f"samples from step {message.first_step} on come twice")
         group.messages[signal] = message
         group.size += size
         self.size += size

@@ -5,7 +5,6 @@ The values of samples are read only if there are no summaries of them.
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -14,13 +13,15 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..errors import InputError, RecordingError
 from ..inputs.yaml12 import parse
 from ..samples.block import UNCOUNTED, ContactCounts, SampleBlock
 from ..samples.summary import NodeStress, Summary, WheelLoad, combine, summarise
 from .bag import STATE, Bag
 from .bag_reader import FORCES, SAMPLES, BagReader, Located
-from .content import ContentError, check_finite, check_place, checked_state, checked_wheel, span_of
+from .content import BEYOND, ContentError, check_finite, check_place, checked_state, checked_wheel, span_of
 from .grouping import Groups, by_step
 from .losses import LONGEST_GAP, Damage, Gap, Loss
 from .mcap.reader import McapReader
@@ -317,12 +318,14 @@ def _piece(message: Any) -> _Piece:
     if any(len(found) != len(message.nodes) for found in figures):
         raise ContentError(f"it names {len(message.nodes)} nodes, and has the extremes of others")
     nodes = tuple(NodeStress(name, *map(float, found)) for name, *found in zip(message.nodes, *figures, strict=True))
+    if any((np.abs(found) >= BEYOND).any() for found in figures):
+        raise ContentError(f"extremes of stresses from step {message.first_step} on are beyond {BEYOND:g} Pa")
     samples = int(message.samples)
     if not samples:
         raise ContentError("it holds no samples")
     for wheel, load in enumerate(wheels, start=1):
         for name, value in vars(load).items():
-            if not math.isfinite(value):
+            if not abs(value) < BEYOND:
                 raise ContentError(f"{name} of wheel {wheel} from step {message.first_step} on is {value}")
     return _Piece(
         int(message.first_step),

@@ -96,12 +96,12 @@ def _copy(reader: BagReader, file: Path, copy: BagFiles, losses: list[Loss]) -> 
         if isinstance(item, Metadata):
             info = {item.name: item.metadata} if reader.info_in(file, item) else info
             continue
-        messages = [*mcap.messages(item)]
         read.add(item.place)
-        if messages:
-            out = out or copy.begin(0, info)
-            for topic, sequence, time_ns, published_ns, data in messages:
-                out.add(topic, time_ns, data, sequence=sequence, published_ns=published_ns)
+        some = False
+        for topic, sequence, time_ns, published_ns, data in mcap.messages(item):
+            out, some = out or copy.begin(0, info), True
+            out.add(topic, time_ns, data, sequence=sequence, published_ns=published_ns)
+        if out is not None and some:
             out.flush()
             saved += 1
     if listed is not None:

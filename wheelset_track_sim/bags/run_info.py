@@ -10,12 +10,13 @@ import base64
 import dataclasses
 import json
 import platform
+import re
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from numba.core.registry import cpu_target
 from threadpoolctl import threadpool_info
@@ -33,6 +34,9 @@ MOST = 10_000
 """Changes that a file begins with at most, the latest."""
 LARGEST = 1 << 28
 """Bytes of the changes of a file when they are read; fewer are written."""
+_BEGIN = re.compile(r'\s*[\[,]\s*\[\s*([0-9]{1,1000})\s*,\s*([0-9]{1,1000})\s*,\s*"')
+_END, _CLOSED, _NONE = (re.compile(each) for each in (r"\s*\]", r"\s*\]\s*", r"\s*\[\s*\]\s*"))
+_OTHER = "one is not of two whole numbers and a text"
 
 
 class Input(NamedTuple):
@@ -163,14 +167,32 @@ def decode_inputs(text: str) -> tuple[Input, ...]:
         found = unpacker.decompress(base64.b64decode(text, validate=True), LARGEST)
         if not unpacker.eof:
             raise ValueError(f"they have more than {LARGEST} bytes" if unpacker.unconsumed_tail else "they are cut off")  # noqa: TRY301
-        return tuple(_input(*each) for each in json.loads(found))
-    except (ValueError, TypeError, RecursionError, zlib.error) as reason:
+        return tuple(_inputs(found.decode()))
+    except (ValueError, zlib.error) as reason:
         raise ValueError(f"inputs of the run cannot be read: {reason}") from reason
 
 
-def _input(revision: Any, step: Any, scenario: Any) -> Input:
-    if not (type(revision) is type(step) is int and type(scenario) is str):
-        raise ValueError("one is not of two whole numbers and a text")
+def _inputs(text: str) -> Iterator[Input]:
+    """Inputs of a JSON text, one by one: a list of anything else could take a hundred times the memory of its text."""
+    if _NONE.fullmatch(text):
+        return
+    decoder, place = json.JSONDecoder(), 0
+    for _ in range(MOST):
+        begin = _BEGIN.match(text, place)
+        if begin is None:
+            raise ValueError(_OTHER)
+        scenario, place = decoder.raw_decode(text, begin.end() - 1)
+        end = _END.match(text, place)
+        if end is None:
+            raise ValueError(_OTHER)
+        place = end.end()
+        yield _input(int(begin[1]), int(begin[2]), scenario)
+        if _CLOSED.fullmatch(text, place):
+            return
+    raise ValueError(f"there are more than {MOST}")
+
+
+def _input(revision: int, step: int, scenario: str) -> Input:
     if not (0 <= revision < 2**32 and 0 <= step < 2**64):
         raise ValueError("one has a revision or a step that cannot be")
     return Input(revision, step, scenario)

@@ -31,4 +31,4 @@ def terminal(*, stderr: bool = False) -> Console:
 def print_object(values: Mapping[str, Any]) -> None:
     """Print one JSON object on standard output: laid out on a terminal, otherwise in one line."""
     console, text = terminal(), json.dumps(values)
-    console.print_json(text) if console.is_terminal else print(text)  # noqa: T201
+    console.print_json(text, ensure_ascii=True) if console.is_terminal else print(text)  # noqa: T201

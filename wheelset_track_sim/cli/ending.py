@@ -84,6 +84,8 @@ def status_of(command: Callable[[], int], program: str, interrupted: int = FAILE
         return complain(program, why, FAILED)
     except OSError as reason:
         return _surroundings(program, reason)
+    except MemoryError:
+        return complain(program, "there is not enough memory: give a smaller input, or a higher limit", FAILED)
     except KeyboardInterrupt:
         return interrupted if interrupted == 0 else complain(program, "interrupted", interrupted)
 

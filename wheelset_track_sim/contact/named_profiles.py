@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..inputs import shipped
 from ..inputs.schema import read, unknown
 from ..inputs.tables import read_table
+from ..inputs.text_files import exists, is_file
 from .profile_files import ProfileColumns, ProfileFile, columns_of, read_points, shaped
 from .profiles import LateralProfile, Points, RailHead, Straight
 
@@ -102,11 +103,11 @@ def with_points(side: str, source: Any, where: str) -> Any:
 
 def _check_exists(side: str, path: Path) -> None:
     """Raise InputError for a path where no file is; it may be a name that was misspelled."""
-    if path.is_file():
+    if is_file(path):
         return
-    if not (path.suffix or path.exists()):
+    if not (path.suffix or exists(path)):
         raise InputError(unknown(f"profile of a {side}", repr(str(path)), str(path), known_names(side)))
-    found = "is no file" if path.exists() else "does not exist"
+    found = "is no file" if exists(path) else "does not exist"
     raise InputError(f"{path} {found}: give a file with y and z, or one of {', '.join(known_names(side))}")
 
 

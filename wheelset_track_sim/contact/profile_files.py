@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -139,7 +140,10 @@ def _simpack(text: str, name: str) -> tuple[Real, Real]:
         points = np.array([[float(cell) for cell in line.split()[:2]] for line in lines[begin + 1 : end] if line])
 
         def number(key: str, default: float = 0.0) -> float:
-            return float(keys.get(key, default))
+            found = float(keys.get(key, default))
+            if not math.isfinite(found) or (key.startswith("units.") and found <= 0.0):
+                raise ValueError(f"{key} = {found:g}")  # noqa: TRY301
+            return found
 
         y, z = points.T
         y, z = y + number("shift.y"), z + number("shift.z")

@@ -97,6 +97,11 @@ def amount(text: str, si: str, where: str) -> float:
         raise InputError(f"{where} = {text!r} is too large for a number: give a smaller one") from None
 
 
+def whole_number(text: str) -> int | None:
+    """Number of up to nine decimal digits; None for any other text."""
+    return int(text) if text.isdecimal() and len(text) < 10 else None
+
+
 def size_of(name: str, si: str) -> Fraction | None:
     """Size of a unit in ``si``; None if it is not known, or of another dimension."""
     unit, wanted = unit_of(name), unit_of(si)

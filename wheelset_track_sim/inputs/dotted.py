@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..errors import InputError
+from .amounts import whole_number
 
 
 def put(data: Any, key: str, value: Any, where: str = "") -> None:
@@ -40,9 +41,10 @@ def entry(data: Any, key: str, where: str = "") -> Any:
 
 def index_of(place: list[Any], part: str, where: str) -> int:
     """A list index from its text; raises InputError that begins with ``where`` if the list has no such entry."""
-    if not part.isdigit() or int(part) >= len(place):
+    index = whole_number(part)
+    if index is None or index >= len(place):
         raise InputError(f"{where}: {part!r} is not an index of a list with {len(place)} entries (0 is the first)")
-    return int(part)
+    return index
 
 
 def _entry(place: Any, part: str, where: str) -> Any:

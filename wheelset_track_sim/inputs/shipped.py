@@ -7,21 +7,25 @@ from importlib.resources import files
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .amounts import whole_number
+from .numpy_files import UNREADABLE
 from .schema import unknown
-from .text_files import LARGEST, opened, read_text
-from .yaml12 import parse
+from .text_files import exists, opened, read_text
+from .yaml12 import MOST_VALUES, parse
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
 MAX_DEPTH = 8
 """Models that stand on one another by ``base``."""
+MOST_BYTES = 100_000_000
+"""Bytes that an ``.npz`` file is unpacked to."""
 
 
 def names(kind: str, suffix: str = ".yaml") -> list[str]:
@@ -76,7 +80,7 @@ def load_yaml(kind: str, name_or_path: str | Path) -> Any:
         source = shipped
     elif path.suffix.lower() == ".npz":
         return _arrays(path)
-    elif path.suffix.lower() in {".yaml", ".yml"} or path.exists():
+    elif path.suffix.lower() in {".yaml", ".yml"} or exists(path):
         source = path
     else:
         raise InputError(unknown(singular(kind), repr(str(name_or_path)), str(name_or_path), names(kind)))
@@ -95,18 +99,24 @@ def _arrays(path: Path) -> dict[str, Any]:
     try:
         with opened(path) as file, ZipFile(file) as packed:
             unpacked = sum(part.file_size for part in packed.infolist())
-            if unpacked > LARGEST:
-                raise InputError(f"{path} unpacks to {unpacked} bytes: give at most {LARGEST}")
+            if unpacked > MOST_BYTES:
+                raise InputError(f"{path} unpacks to {unpacked} bytes: give at most {MOST_BYTES}")  # noqa: TRY301
             with np.load(file, allow_pickle=False) as stored:
                 arrays = {name: stored[name] for name in sorted(stored.files)}
-    except (ValueError, EOFError, BadZipFile) as reason:
+    except InputError:
+        raise
+    except UNREADABLE as reason:
         raise InputError(f"{path} cannot be read ({reason}): give a file of numpy.savez") from None
     content: dict[str, Any] = {}
     for name, array in arrays.items():
-        *parts, last = name.split(".")
+        if array.size > MOST_VALUES:
+            raise InputError(f"{path}: {name} has {array.size} numbers: give at most {MOST_VALUES}")
+        *parts, last = name.split(".", MAX_DEPTH)
         place = content
         for part in parts:
             place = place.setdefault(part, {})
+            if not isinstance(place, dict):
+                raise InputError(f"{path}: {name} is within {part}, which is an array: give either")
         table = array.ndim > 0 and array.dtype.kind in "fiu"
         place[last] = table_text(array) if table else array.tolist()
     plain = _with_lists(content)
@@ -123,7 +133,7 @@ def _with_lists(content: Any) -> Any:
     if not isinstance(content, dict):
         return content
     plain = {key: _with_lists(item) for key, item in content.items()}
-    if plain and all(key.isdigit() for key in plain):
+    if plain and all(whole_number(key) is not None for key in plain):
         return [plain[key] for key in sorted(plain, key=int)]
     return plain
 
@@ -132,7 +142,7 @@ def located(kind: str, name_or_path: str) -> Traversable | Path:
     """A shipped file of a kind by its whole name, or the user's by its path; it may not be there."""
     path = Path(name_or_path)
     found = _folder(kind) / name_or_path if path.name == name_or_path else None
-    return found if found is not None and found.is_file() and not path.exists() else path
+    return found if found is not None and found.is_file() and not exists(path) else path
 
 
 def singular(kind: str) -> str:

@@ -26,6 +26,8 @@ from .units import unit_named
 SEPARATORS = (";", "\t", ",")
 STAMPS = 10**8
 """From here on the first column counts from an origin far away, such as 1970, and is read exactly."""
+FARTHEST = 10**30
+"""Beyond all time stamps, in whatever unit; exact numbers of more digits take long."""
 STAMP = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)([.,]\d+)? ?(Z|[-+]\d\d:?\d\d)?", re.ASCII)
 HEADING = re.compile(r"(?P<name>[^\[\]()]*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]")
 BETWEEN = re.compile(r"\s*[_/\s]\s*")
@@ -142,7 +144,7 @@ def _numbers(name: str, headings: list[Heading], separator: str, lines: Iterator
             raise InputError(f"{where} has {len(cells)} cells: give {len(headings)} as in the lines before{hint}")
         if not places:
             stamp = STAMP.fullmatch(cells[0]) is not None
-            exact = stamp or abs(_value(cells[0]) or 0.0) >= STAMPS
+            exact = stamp or STAMPS <= abs(_value(cells[0]) or 0.0) < FARTHEST
             origin = math.floor(seconds_of(cells[0], where)) if exact else 0
             headings[0] = Heading(headings[0].name, "s") if stamp else headings[0]
         if exact:
@@ -196,16 +198,23 @@ def seconds_of(text: str, where: str) -> Decimal:
     Raises InputError, which begins with ``where``, for anything else.
     """
     cell = text.strip()
-    stamp = STAMP.fullmatch(cell)
     try:
-        if stamp is None:
-            return Decimal(cell.replace(",", "."))
-        day, time, part, zone = stamp.groups()
-        zone = "+00:00" if zone in (None, "Z") else f"{zone[:3]}:{zone[-2:]}"
-        whole = datetime.fromisoformat(f"{day}T{time}{zone}").timestamp()
-        return int(whole) + Decimal(f"0.{part[1:]}" if part else 0)
+        value = _seconds(cell)
     except (InvalidOperation, ValueError):
         raise _no_number(where, cell) from None
+    if not value.is_finite() or not -FARTHEST < value < FARTHEST:
+        raise InputError(f"{where}: {cell[:40]!r} is no time: give a number below {FARTHEST:g}")
+    return value
+
+
+def _seconds(cell: str) -> Decimal:
+    stamp = STAMP.fullmatch(cell)
+    if stamp is None:
+        return Decimal(cell.replace(",", "."))
+    day, time, part, zone = stamp.groups()
+    zone = "+00:00" if zone in (None, "Z") else f"{zone[:3]}:{zone[-2:]}"
+    whole = datetime.fromisoformat(f"{day}T{time}{zone}").timestamp()
+    return int(whole) + Decimal(f"0.{part[1:]}" if part else 0)
 
 
 def _no_number(where: str, cell: str) -> InputError:

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..runtime.arrays import Real
+from .amounts import whole_number
+from .numpy_files import UNREADABLE
 from .table_rows import Rows, read_rows
 from .text_files import LARGEST, opened, opened_text
 from .units import UNITS, Dimension, names_of
@@ -68,7 +70,7 @@ class ColumnTable:
         for column in self.columns:
             if key(name) in {key(column.name), key(column.heading), key(f"{column.name} {column.unit}")} - {""}:
                 return column
-        number = int(name) if name.isdecimal() else 0
+        number = whole_number(name) or 0
         return self.columns[number - 1] if 1 <= number <= len(self.columns) else None
 
     def chosen(self, name: str, what: str) -> Column:
@@ -171,7 +173,7 @@ def _checked(name: str, rows: Rows) -> ColumnTable:
 def _from_numpy(file: IO[bytes], name: str) -> ColumnTable:
     try:
         array = np.load(file, allow_pickle=False)
-    except (ValueError, OSError, EOFError) as reason:
+    except (*UNREADABLE, OSError) as reason:
         raise InputError(f"{name} is not a NumPy file ({reason}): give one that numpy.save has written") from None
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu" or array.ndim != 2 or array.shape[1] < 2:
         found = f"{array.ndim} dimensions of {array.dtype}" if isinstance(array, np.ndarray) else "several arrays"

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import codecs
 import io
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from importlib.resources import files
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
@@ -16,14 +19,52 @@ if TYPE_CHECKING:
 
 LARGEST = 1_000_000_000
 """Bytes of a file at most."""
+SHIPPED = Path(str(files("wheelset_track_sim"))) / "data"
+"""Folder of the files that come with the package."""
+_closed: ContextVar[bool] = ContextVar("closed", default=False)
+
+
+@contextmanager
+def without_files() -> Iterator[None]:
+    """Let input within open none but shipped files: whoever sent it must not choose what is read here."""
+    token = _closed.set(True)
+    try:
+        yield
+    finally:
+        _closed.reset(token)
+
+
+def _require_open(source: Traversable | Path) -> None:
+    path = Path(str(source))
+    if _closed.get() and not (path.is_relative_to(SHIPPED) and ".." not in path.parts):
+        raise InputError(f"{source} is a file, and a scenario in a bag opens none: give its content instead")
+
+
+def exists(path: Path) -> bool:
+    """Whether there is anything at a path; False for a name that no file can have."""
+    try:
+        return path.exists()
+    except OSError:  # too long
+        return False
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a regular file at a path; False for a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 @contextmanager
 def opened(source: Traversable | Path, largest: int = LARGEST) -> Iterator[IO[bytes]]:
     """Regular file to read; what goes wrong with it meanwhile becomes an InputError that names it."""
-    if isinstance(source, Path) and source.exists() and not source.is_file():
+    _require_open(source)
+    if isinstance(source, Path) and not is_file(source) and exists(source):
         kind = "a folder" if source.is_dir() else "a device or a pipe"
         raise InputError(f"{source} is {kind}: give a regular file")
+    if re.search("[\0\ud800-\udc7f\udd00-\udfff]", str(source)):
+        raise InputError(f"{source} cannot be the name of a file: give another file")
     try:
         with source.open("rb") as file:
             size = file.seek(0, io.SEEK_END)

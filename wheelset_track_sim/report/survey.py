@@ -15,6 +15,7 @@ from ..bags import Bag, Loss, RunInfo, State
 from ..bags.irregularities_text import listed_irregularities
 from ..bags.sensor_records import sensor_parts
 from ..errors import InputError, recorded_input
+from ..inputs.text_files import without_files
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
@@ -360,7 +361,7 @@ def _in_force(driven: Mapping[int, _Driven], states: Iterable[State], info: RunI
 
 def _read(text: str) -> Scenario | None:
     try:
-        with recorded_input():
+        with recorded_input(), without_files():
             return scenario_from(parse(text, "scenario of the bag", trusted=False))
     except InputError:
         return None

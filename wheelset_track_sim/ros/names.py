@@ -26,6 +26,6 @@ def fleet_names(text: str, option: str = "--fleet") -> list[str]:
 
 def counted(text: str, option: str) -> int:
     """A number of nodes, or of what holds them; raises InputError that begins with ``option``."""
-    if not re.fullmatch(r"\d+", text) or not 1 <= int(text) <= LARGEST_FLEET:
+    if not re.fullmatch(r"\d{1,9}", text) or not 1 <= int(text) <= LARGEST_FLEET:
         raise InputError(f"{option} {text} is out of range: give a number of nodes from 1 to {LARGEST_FLEET}")
     return int(text)

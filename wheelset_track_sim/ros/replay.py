@@ -26,7 +26,7 @@ from ..bags.playback.recorded_bag import Played, RecordedBag
 from ..bags.playback.selection import Selection
 from ..bags.playback.stamps import Restamping, stamp_of, stampable, with_stamp
 from ..bags.topics import Topic
-from ..errors import InputError, RecordingError, WheelsetTrackError
+from ..errors import InputError, RecordingError, WheelsetTrackError, printable
 from ..live.player import Player
 from .acknowledged import wait_for_subscribers
 from .answers import answer_always
@@ -115,7 +115,7 @@ class ReplayNode(Node):  # type: ignore[misc]
             else:
                 found[name] = topic
         for line in left_out:
-            self.get_logger().warning(f"left out: {line}")
+            self.get_logger().warning(printable(f"left out: {line}"))
         if not found:
             raise InputError(f"{self._bag.path} holds no topic that can be published here ({'; '.join(left_out)})")
         return found
@@ -141,7 +141,7 @@ class ReplayNode(Node):  # type: ignore[misc]
         self._origin_ns = self._time.now_ns()
         length = (self.selection.end_ns - self.selection.start_ns) * 1e-9
         self.get_logger().info(
-            f"playing {self._bag.path}, {len(self._topics)} topics, {length:.3f} s"
+            f"playing {printable(str(self._bag.path))}, {len(self._topics)} topics, {length:.3f} s"
             + (", paused" if self.player.paused else "")
         )
         self.player.run(self.parameters.start().ready([*self._outlets.values()]))
@@ -175,7 +175,7 @@ class ReplayNode(Node):  # type: ignore[misc]
 
     def _report_damages(self) -> None:
         for damage in self._bag.damages[self._reported :]:
-            self.get_logger().warning(f"damaged: {damage}")
+            self.get_logger().warning(printable(f"damaged: {damage}"))
         self._reported = len(self._bag.damages)
 
     def _on_end(self, failure: Exception | None) -> None:

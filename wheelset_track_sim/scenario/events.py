@@ -125,7 +125,7 @@ def _si(key: str, value: Any, where: str) -> Any:
 
 def _check_key(key: Any, where: str) -> None:
     parts = key.split(".") if isinstance(key, str) else []
-    if len(parts) < 3 or parts[0] != LIST or not parts[1].isdigit():
+    if len(parts) < 3 or parts[0] != LIST or not parts[1].isdecimal():
         raise InputError(
             f"{where} = {key!r} is not a value of an irregularity: give its dotted key, such as irregularities.0.h, "
             "where 0 is the first"

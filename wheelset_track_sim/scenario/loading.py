@@ -12,6 +12,7 @@ from ..inputs import shipped
 from ..inputs.dotted import put
 from ..inputs.schema import read
 from ..inputs.shipped import MAX_DEPTH, load_yaml
+from ..inputs.text_files import is_file
 from ..inputs.yaml12 import parse
 from .events import plain_brought
 from .meaning import quantity_at
@@ -52,7 +53,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     data = load_yaml("scenarios", name_or_path)
     if not isinstance(data, dict):
         raise InputError(f"{name_or_path} is not a mapping of scenario keys: see the shipped scenarios")
-    if Path(name_or_path).is_file():
+    if is_file(Path(name_or_path)):
         _find_all_beside(data, Path(name_or_path).parent)
     for change in overrides:
         override(data, change)
@@ -131,7 +132,7 @@ def _find_all_beside(data: dict[str, Any], folder: Path) -> None:
 def find_beside(place: dict[str, Any], key: str, folder: Path) -> None:
     """Give the file that ``key`` names by its path from here, if it is in ``folder``."""
     name = place.get(key)
-    if isinstance(name, str) and Path(name).suffix and (folder / name).is_file():
+    if isinstance(name, str) and Path(name).suffix and is_file(folder / name):
         place[key] = str(folder / name)
 
 
@@ -146,4 +147,4 @@ def _take_in_model(place: Any, key: str, kind: str, depth: int = 0) -> None:
 
 def _names_file(path: Path) -> bool:
     """Whether a name means a file: one that exists, or that would be one by its suffix."""
-    return path.suffix.lower() in (".yaml", ".yml", ".npz") or path.is_file()
+    return path.suffix.lower() in (".yaml", ".yml", ".npz") or is_file(path)

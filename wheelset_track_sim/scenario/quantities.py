@@ -20,7 +20,7 @@ def quantity_within(owners: Sequence[type], parts: Sequence[str]) -> Quantity | 
     for part in parts:
         inner: list[type] = []
         for owner in owners:
-            if part.isdigit():
+            if part.isdecimal():
                 inner.append(owner)
             for field in fields(owner):
                 if field.name == part:

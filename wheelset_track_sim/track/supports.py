@@ -37,7 +37,7 @@ LONGEST_STEP = 2.0e-4
 """Longest step, s, in which the bays of a line can be followed: in longer ones impacts come out twice as high, and from
 0.3 ms on the force grows without bound."""
 
-_RANGE = re.compile(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?")
+_RANGE = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?")
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,9 @@ from typing import NamedTuple
 from ..bags import Bag
 from ..bags.run_info import Input, in_order
 from ..errors import InputError, RecordingError, recorded_input
+from ..inputs.amounts import whole_number
 from ..inputs.schema import confirmed_numbers
+from ..inputs.text_files import without_files
 from ..inputs.yaml12 import parse
 from ..scenario import WHEELS, Scenario, assign, change_of, scenario_from, suspect
 from ..scenario.values import first_breakout, quantity_named, values_of, with_values
@@ -87,7 +89,7 @@ def _change(bag: Bag, of: Input) -> RecordedChange:
         stated = data.get("contact") or {}
         if isinstance(stated, dict):
             data["contact"] = {"exact": True} | stated  # as runs were before there was a filter
-        with recorded_input():
+        with recorded_input(), without_files():
             # What events have changed is recorded at its step: they do not happen a second time.
             return RecordedChange(of.revision, of.step, dataclasses.replace(scenario_from(data), events=()))
     except InputError as refusal:
@@ -101,8 +103,8 @@ def _has(scenario: Scenario, key: str) -> bool:
     name, _, rest = key.partition(".")
     if name in WHEELS and key in values_of(scenario):
         return first_breakout(scenario, name) is not None
-    index = rest.partition(".")[0]
-    return name != "irregularities" or not index.isdigit() or int(index) < len(scenario.irregularities)
+    index = whole_number(rest.partition(".")[0])
+    return name != "irregularities" or index is None or index < len(scenario.irregularities)
 
 
 def _missing(scenarios: Sequence[Scenario], key: str) -> str:

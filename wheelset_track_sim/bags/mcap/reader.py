@@ -50,9 +50,11 @@ MOST_RECORDS, RECORDS_PER_BYTE = 1_000_000, 0.25
 """Records that are read of a file: so many, and more by its size."""
 MOST_BYTES, BYTES_PER_BYTE = 1 << 31, 1000
 """Bytes that a file is unpacked to: so many, and more by its size."""
+LATEST = 2**64 - 1
+"""Largest time that a record can have, ns."""
 MOST_DAMAGES = 1000
 """Damages of a file that are reported."""
-UNREADABLE = (McapError, ZstdError, struct.error, ValueError, LookupError, RuntimeError, MemoryError, OverflowError)
+UNREADABLE = (McapError, ZstdError, struct.error, ValueError, LookupError, RuntimeError, OverflowError)
 """Errors of the libraries for bytes that are not what they should be."""
 
 
@@ -226,15 +228,19 @@ class McapReader:
         latest: dict[str, int] = {}
         unordered: set[str] = set()
         for part in self.scan():
-            found = [*self.messages(part)] if isinstance(part, Chunk) else []
-            for message in found:
+            if not isinstance(part, Chunk):
+                continue
+            topics: set[str] = set()
+            first, last = LATEST, 0
+            for message in self.messages(part):
                 name, time = message.topic.name, message.log_time
                 if time < latest.get(name, 0):
                     unordered.add(name)
                 latest[name] = max(time, latest.get(name, 0))
-            if found and isinstance(part, Chunk):
-                times = [message.log_time for message in found]
-                yield Span(part.place, min(times), max(times), frozenset(message.topic.name for message in found))
+                topics.add(name)
+                first, last = min(first, time), max(last, time)
+            if topics:
+                yield Span(part.place, first, last, frozenset(topics))
         self.known.unordered = unordered
 
     def release(self) -> None:

@@ -26,6 +26,8 @@ GAINS = (0.1, 10.0)
 """Gain of a force beyond which the two are hardly of the same quantity."""
 SINCE_1970 = 1e8
 """Times of a measurement from here on count from 1970, s."""
+YEAR_10000 = 253402300800
+"""Seconds from 1970 to the first day that dates do not reach."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ class Comparison:
     @property
     def begin_utc(self) -> str | None:
         """Date and time at which the simulation begins; None if the measurement has no such time stamps."""
-        if self.axis != "time" or self.begin < SINCE_1970:
+        if self.axis != "time" or not SINCE_1970 <= self.begin < YEAR_10000:
             return None
         moment = datetime.fromtimestamp(int(self.begin), timezone.utc)
         return f"{moment:%Y-%m-%dT%H:%M:%S}.{int(self.begin % 1 * 10**6):06d}Z"
