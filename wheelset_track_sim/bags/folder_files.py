@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError
+from ..inputs.text_files import is_file
 from .folder_metadata import METADATA, listed_files
 from .losses import Damage
 
