@@ -66,7 +66,7 @@ def test_each_event_is_a_revision_at_its_step(whole: Simulator) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=4)
+@settings(max_examples=3)
 @given(st.lists(st.integers(1, 1500), min_size=1, max_size=8))
 def test_any_chunks_give_the_same_bits(whole: Simulator, chunks: list[int]) -> None:
     other, blocks, turn = simulator(*GROWING), [], 0
