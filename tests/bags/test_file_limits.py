@@ -113,6 +113,18 @@ def test_records_that_hold_nothing(tmp_path: Path, whole: tuple[bytes, int], rec
     assert_all_else_is_read(with_records(tmp_path, whole, record * 120_000), reason)
 
 
+@pytest.mark.parametrize(("size", "count"), [(1 << 21, 1), (1 << 19, 140)])
+def test_definitions_that_fill_memory(tmp_path: Path, whole: tuple[bytes, int], size: int, count: int) -> None:
+    def schema(number: int) -> bytes:
+        parts = (b"x/msg/Y", b"ros2msg", bytes(size))
+        content = struct.pack("<H", number) + b"".join(struct.pack("<I", len(part)) + part for part in parts)
+        data = struct.pack("<BQ", Opcode.SCHEMA, len(content)) + content
+        return chunk(data, b"zstd", len(data))
+
+    path = with_records(tmp_path, whole, b"".join(schema(1000 + number) for number in range(count)))
+    assert_all_else_is_read(path, "a definition is too large, or the definitions of the file are")
+
+
 @pytest.mark.slow
 def test_more_messages_than_a_file_of_its_size_can_hold(tmp_path: Path, whole: tuple[bytes, int]) -> None:
     message = struct.pack("<BQHIQQ", Opcode.MESSAGE, 22, 1, 0, 0, 0)

@@ -52,6 +52,8 @@ MOST_BYTES, BYTES_PER_BYTE = 1 << 31, 1000
 """Bytes that a file is unpacked to: so many, and more by its size."""
 LATEST = 2**64 - 1
 """Largest time that a record can have, ns."""
+LARGEST_DEFINITION, MOST_DEFINITIONS = 1 << 20, 1 << 26
+"""Bytes of the definition of a type or a topic, and of all that a file has."""
 MOST_DAMAGES = 1000
 """Damages of a file that are reported."""
 UNREADABLE = (McapError, ZstdError, struct.error, ValueError, LookupError, RuntimeError, OverflowError)
@@ -125,6 +127,7 @@ class McapReader:
         self._schemas = dict(index.schemas) if index else {}
         self._channels = dict(index.channels) if index else {}
         self._topics: dict[int, Topic] = {}
+        self._definitions_left = MOST_DEFINITIONS
         self._set_limits()
         self._chunked = False
         """Whether a chunk has been found."""
@@ -278,7 +281,10 @@ class McapReader:
                         if data[:4] == ZSTD:
                             data = self._unpacked(data)
                         yield StoredMessage(topic, sequence, log_time, publish_time, data)
+                elif opcode in LOOSE and len(content) > min(LARGEST_DEFINITION, self._definitions_left):
+                    self.report(chunk.place, chunk.end, "a definition is too large, or the definitions of the file are")
                 elif _register(opcode, content, self._schemas, self._channels):
+                    self._definitions_left -= len(content)
                     self._topics.clear()
             except UNREADABLE:
                 self.report(chunk.place, chunk.end, "a record in it is damaged")
