@@ -82,7 +82,8 @@ def test_commands_and_their_options_exist(page, capsys):
 
 
 def test_the_page_of_the_node_has_every_command_as_ros2_runs_it(capsys):
-    section = (ROOT / "docs" / "node.md").read_text().partition("## In a workspace\n")[2].partition("\n## ")[0]
+    page = (ROOT / "docs" / "howto" / "node.md").read_text()
+    section = page.partition("## In a workspace\n")[2].partition("\n## ")[0]
     shown = re.findall(r"^    ros2 run wheelset_track_sim wheelset-track-sim ([a-z]+)", section, re.MULTILINE)
     with suppress(SystemExit):
         main(["--help"])
@@ -90,7 +91,7 @@ def test_the_page_of_the_node_has_every_command_as_ros2_runs_it(capsys):
 
 
 def test_the_page_of_the_method_names_what_is_there():
-    text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "theory" / "method.md").read_text(encoding="utf-8")
     steps, _, parts = text.partition("## Parts of the package")
     named = re.findall(r"`([a-z]\w*(?:\.\w+)+)`", steps)
     assert len(named) > 20
@@ -105,7 +106,7 @@ def test_the_page_of_the_method_names_what_is_there():
 
 
 def test_the_page_of_scenarios_has_every_key_with_its_range_and_default():
-    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "scenarios.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)` \|(.*)\|$", text, re.MULTILINE))
     assert [*sorted(rows)] == sorted(field.name for field in dataclasses.fields(Scenario))
     for field in dataclasses.fields(Scenario):
@@ -123,7 +124,7 @@ def test_the_page_of_scenarios_has_every_key_with_its_range_and_default():
 
 
 def test_the_page_of_scenarios_has_every_key_of_an_event_with_its_range():
-    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "scenarios.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `events\.(\w+)` \|(.*)\|$", text, re.MULTILINE))
     assert [*rows] == [field.name for field in dataclasses.fields(Event)]
     for field in dataclasses.fields(Event):
@@ -151,7 +152,7 @@ def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch):
 
 
 def test_the_scenario_of_the_page_can_be_used(tmp_path):
-    text = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "scenarios.md").read_text(encoding="utf-8")
     example = "\n".join(re.findall(r"^    (?!\.venv)(.*)$", text, re.MULTILINE))
     (tmp_path / "mine.yaml").write_text(example, encoding="utf-8")
     assert load_scenario(tmp_path / "mine.yaml", ["irregularities.0.h=0.001"]).irregularities[0].h == 0.001

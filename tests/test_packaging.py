@@ -111,7 +111,7 @@ def test_source_distribution_holds_what_a_clone_holds(tree, unpacked):
         "tools/setup_env.py",
         "requirements/ros-jazzy.txt",
         "msg_defs/CMakeLists.txt",
-        "docs/method.md",
+        "docs/theory/method.md",
         "Makefile",
     ):
         assert (unpacked / name).read_bytes() == (ROOT / name).read_bytes()
@@ -148,7 +148,7 @@ def test_description_has_no_link_that_needs_the_repository(tree):
     assert found["Requires-Python"] == ">=3.10"
     assert found.get_all("Project-URL") is None
     text = found.get_payload()
-    assert "docs/method.md says where" in text.replace("\n", " ")
+    assert "docs/theory/method.md says where" in text.replace("\n", " ")
     assert re.findall(r"\]\((?!https?:)", text) == []
     assert re.findall(r"\]\((https?:[^)]+)\)", text) == re.findall(r"\]\((https?:[^)]+)\)", README)
 

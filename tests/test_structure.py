@@ -85,7 +85,7 @@ def test_no_two_public_classes_have_one_name():
 
 
 def test_the_page_of_the_method_has_the_layers_in_their_order():
-    text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8").partition("## Parts of the package")[2]
+    text = (ROOT / "docs" / "theory" / "method.md").read_text(encoding="utf-8").partition("## Parts of the package")[2]
     named = [name for row in re.findall(r"^\| (`.*`) \|", text, re.MULTILINE) for name in re.findall(r"`(\w+)`", row)]
     assert named == [name for name in LAYERS if (ROOT / PACKAGE / name).is_dir()]
 

@@ -1,4 +1,4 @@
-"""Write docs/api.md from the docstrings of the names in ``wheelset_track_sim.__all__``.
+"""Write docs/reference/api.md from the docstrings of the names in ``wheelset_track_sim.__all__``.
 
 python -m tools.api_page
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import wheelset_track_sim as wts
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "api.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "reference" / "api.md"
 HEAD = """# Python: the names of `wheelset_track_sim`
 
 <!-- made from the docstrings by: python -m tools.api_page -->

@@ -46,8 +46,9 @@ INTRODUCTION = """# Gallery
 
 Every shipped scenario: what `wheelset-track-sim show SCENARIO` draws of it (here only what differs from the paper's
 wheelset on the paper's track), and contact forces and stresses where they deviate most. `make gallery` draws all of it
-anew. [irregularities.md](irregularities.md), [profiles.md](profiles.md), [tracks.md](tracks.md) and
-[wheelsets.md](wheelsets.md) have the keys, the formulas and their sources.
+anew. [irregularities.md](reference/irregularities.md), [profiles.md](reference/profiles.md),
+[tracks.md](reference/tracks.md) and [wheelsets.md](reference/wheelsets.md) have the keys, the
+formulas and their sources.
 
     .venv/bin/wheelset-track-sim show flat_fresh
     .venv/bin/wheelset-track-sim run flat_fresh

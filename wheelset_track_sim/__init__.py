@@ -6,9 +6,9 @@
     block = simulator.advance(2713)      # one turn of the wheel
     block.forces.max(axis=0)             # N, of wheel 1 and wheel 2
 
-The names in ``__all__`` are the way in for the common jobs; ``docs/api.md`` describes them.
+The names in ``__all__`` are the way in for the common jobs; ``docs/reference/api.md`` describes them.
 
-Conventions, once for the whole package (``docs/conventions.md`` explains them):
+Conventions, once for the whole package (``docs/reference/conventions.md`` explains them):
 
 * SI units and radians everywhere; only text for people shows kN, MPa, km/h and mm.
 * x along the track in the running direction, y to the left, z up.

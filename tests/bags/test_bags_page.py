@@ -1,4 +1,4 @@
-"""docs/bags.md: its examples run, and say what is so."""
+"""docs/howto/bags.md: its examples run, and say what is so."""
 
 import re
 import shlex
@@ -9,7 +9,7 @@ import pytest
 from support.paths import ROOT
 from wheelset_track_sim.cli import main
 
-PAGE = (ROOT / "docs" / "bags.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "howto" / "bags.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

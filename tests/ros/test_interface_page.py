@@ -1,4 +1,4 @@
-"""``docs/interface.md`` against the graph of running nodes, both ways; ``config/node.yaml`` against the parameters."""
+"""``docs/reference/interface.md`` against running nodes, both ways; ``config/node.yaml`` against the parameters."""
 
 import importlib.util
 import re
@@ -12,7 +12,7 @@ from wheelset_track_sim.inputs.yaml12 import parse
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 
 NODE = "wheelset_track_sim"
-PAGE = ROOT / "docs" / "interface.md"
+PAGE = ROOT / "docs" / "reference" / "interface.md"
 NODE_FILE = ROOT / "config" / "node.yaml"
 TYPES = {float: "double", int: "integer", bool: "bool", str: "string"}
 UNDESCRIBED = {"use_sim_time"}

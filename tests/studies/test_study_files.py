@@ -179,7 +179,7 @@ def test_the_papers_values_stand_beside_its_own_cases_alone() -> None:
 
 
 def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
-    text = (ROOT / "docs" / "studies.md").read_text().partition("## A study of your own\n")[2]
+    text = (ROOT / "docs" / "reference" / "studies.md").read_text().partition("## A study of your own\n")[2]
     lines = [line[4:] for line in text.splitlines() if line.startswith("    ")]
     (tmp_path / "mine.yaml").write_text("\n".join(lines))
     runs = load_study(tmp_path / "mine.yaml").runs()

@@ -104,7 +104,7 @@ def _trusted(low: str, high: str, variants: impact.Found) -> list[list[Any]]:
             "anything below 15 Hz",
             "with a `vehicle`",
             "suspensions are held fixed without one; a run with such waves warns "
-            "([wheelsets.md](wheelsets.md#the-vehicle-above))",
+            "([wheelsets.md](reference/wheelsets.md#the-vehicle-above))",
         ],
         [
             "any of them, at the default step",

@@ -128,8 +128,8 @@ def section() -> str:
         "## 8. What steel can bear",
         "The contact is linear elastic, and nothing in it bounds the pressure. At the sharp edge of a fresh flat the "
         "pressure grows without limit as elements shrink. Steel yields. `contact: {hardness: H}` bounds the pressure, "
-        "0 ≤ p ≤ H ([scenarios.md](scenarios.md)). Causal, 20 t, 100 km/h. *Share* is the share of the largest force "
-        f"on elements at the bound, or above {STEEL / 1e9:g} GPa where there is none:",
+        "0 ≤ p ≤ H ([scenarios.md](reference/scenarios.md)). Causal, 20 t, 100 km/h. *Share* is the share of the "
+        f"largest force on elements at the bound, or above {STEEL / 1e9:g} GPa where there is none:",
         table(
             (
                 "defect",

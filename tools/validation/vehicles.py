@@ -80,8 +80,8 @@ def section() -> str:
         "## 12. The vehicle above",
         "By default the upper ends of the axle-box springs are held. This is right above 15 to 20 Hz, where bogie "
         "frame and car body do not follow. `vehicle:` in a scenario couples both to the modes of the wheelset "
-        "([wheelsets.md](wheelsets.md)). Magnitude of the receptance of `x40` under equal forces on both wheels, nm/N, "
-        "beside that of a rigid wheelset with the same masses and springs:",
+        "([wheelsets.md](reference/wheelsets.md)). Magnitude of the receptance of `x40` under equal forces on both "
+        "wheels, nm/N, beside that of a rigid wheelset with the same masses and springs:",
         table(
             ("Hz", *(title for name in names for title in (name, "masses alone"))),
             rows,

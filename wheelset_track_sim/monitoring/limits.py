@@ -13,7 +13,7 @@ IN_ORDER = (("stress_warn", "stress_error"), ("lag_warn", "lag_error"), ("pace_e
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of loads, stresses and pace; ``docs/monitoring.md`` has the sources of the defaults.
+    """Limits of loads, stresses and pace; ``docs/howto/monitoring.md`` has the sources of the defaults.
 
     The force that is worth a look is that which makes an impact (``ImpactSettings.threshold``).
     """

@@ -33,7 +33,7 @@ Endings = SimpleQueue[Ending]
 
 NO_SECURITY = (
     "ROS_SECURITY_ENABLE is set, but this build of Fast DDS has no security: use a system installation of ROS 2 "
-    "(docs/monitoring.md, Security), or unset it"
+    "(docs/howto/monitoring.md, Security), or unset it"
 )
 
 

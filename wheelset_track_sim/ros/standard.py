@@ -1,6 +1,6 @@
 """The standard services of simulators, ``simulation_interfaces``, where that package is installed.
 
-A world is a scenario, and the one entity in it is the wheelset. ``docs/interface.md`` says what each answers.
+A world is a scenario, and the one entity in it is the wheelset. ``docs/reference/interface.md`` says what each answers.
 """
 
 from __future__ import annotations
@@ -201,7 +201,7 @@ class StandardServices:
     def _features(self, request: Any, response: Any) -> Answer:
         known = self._msg.SimulatorFeatures
         found = [getattr(known, name) for name in FEATURES if hasattr(known, name)]
-        info = "wheelset_track_sim: a world is a scenario, the entity is the wheelset; see docs/interface.md"
+        info = "wheelset_track_sim: a world is a scenario, the entity is the wheelset; see docs/reference/interface.md"
         return self._ok(features=known(features=found, custom_info=info))
 
     @property
@@ -300,7 +300,7 @@ class StandardServices:
             raise InputError(f"resource_string has {size} bytes: give at most {LONGEST}")
         data = parse(text, "resource_string", trusted=False)
         if not isinstance(data, dict):
-            raise InputError("resource_string is not a mapping of scenario keys: see docs/scenarios.md")
+            raise InputError("resource_string is not a mapping of scenario keys: see docs/reference/scenarios.md")
 
         def located(name: str) -> str:
             return str(path_below(self._node.parameters["profiles.directory"], name))

@@ -23,7 +23,7 @@ class ImpactSettings:
     """What makes an impact."""
 
     threshold: float = quantity("N", 1e3, 5e6, "the contact force above which an impact begins", default=200e3)
-    """The default is twice the static load of the shipped scenarios; ``docs/monitoring.md`` has limits in use."""
+    """The default is twice the static load of the shipped scenarios; ``docs/howto/monitoring.md`` has limits in use."""
     separation: float = quantity(
         "m", 0.001, 2.0, "the distance without a force above the threshold that ends an impact", default=0.1
     )

@@ -19,7 +19,7 @@ def _profile(side: str, default: str) -> Any:
 
 @dataclass(frozen=True)
 class Profiles:
-    """Lateral profiles of wheels and rails; in files each is a name, a file or points (``docs/profiles.md``)."""
+    """Lateral profiles of wheels and rails; in files, names, files or points (``docs/reference/profiles.md``)."""
 
     wheel_1: LateralProfile = _profile("wheel", "cylinder")
     wheel_2: LateralProfile = _profile("wheel", "cylinder")

@@ -69,7 +69,7 @@ class StudyRun:
 class Study:
     """A study: a base scenario, axes to vary, results to keep of each run, and figures to draw.
 
-    ``docs/studies.md`` describes the keys. ``run_study`` runs it.
+    ``docs/reference/studies.md`` describes the keys. ``run_study`` runs it.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """A wheelset's modes and stresses from another finite-element program: what the file holds, and its reduced model.
 
-``docs/wheelsets.md`` describes the format. Shapes have one normalisation: with the modal mass m and the shape phi at
-the contacts, ``m (q'' + 2 zeta omega q' + omega^2 q) = phi . F``, the wheels lift by ``phi q``, and stress is modal
-stress times q. The suspension's dashpots are given by the lift at them: they couple the modes.
+``docs/reference/wheelsets.md`` describes the format. Shapes have one normalisation: with the modal mass m and the
+shape phi at the contacts, ``m (q'' + 2 zeta omega q' + omega^2 q) = phi . F``, the wheels lift by ``phi q``, and
+stress is modal stress times q. The suspension's dashpots are given by the lift at them: they couple the modes.
 """
 
 from __future__ import annotations

@@ -133,7 +133,7 @@ def add_call(commands: Commands) -> None:
         ],
     )
     call.add_argument(
-        "service", metavar="SERVICE", help="name, such as pause or set_speed; docs/interface.md lists all"
+        "service", metavar="SERVICE", help="name, such as pause or set_speed; docs/reference/interface.md lists all"
     )
     call.add_argument("fields", nargs="*", metavar="FIELD=VALUE", help="field of the request, as YAML, in SI")
     takes_node(call)
@@ -155,7 +155,7 @@ def add_echo(commands: Commands) -> None:
         "print the messages of a topic of a running node until interrupted",
         uses=["summary", "state --count 1 --full", "contact_forces --json"],
     )
-    echo.add_argument("topic", metavar="TOPIC", help="name, such as summary or state; docs/interface.md lists all")
+    echo.add_argument("topic", metavar="TOPIC", help="name, such as summary; docs/reference/interface.md lists all")
     echo.add_argument("--count", type=int, metavar="N", help="stop after N messages")
     echo.add_argument("--full", action="store_true", help="print all values of long lists, not their number and range")
     takes_node(echo)

@@ -16,7 +16,7 @@ def takes_bag(command: Parser, and_then: str = "") -> None:
 
 def takes_changes(command: Parser, what: str = "change a key of the scenario, such as 'speed=100 km/h'") -> None:
     """Add ``--set``."""
-    keys = "bare numbers are SI; docs/scenarios.md lists all keys; repeat the option for more"
+    keys = "bare numbers are SI; docs/reference/scenarios.md lists all keys; repeat the option for more"
     command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what}; {keys}")
 
 

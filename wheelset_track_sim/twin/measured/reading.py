@@ -58,8 +58,8 @@ def read_measurement(path: str | Path, reading: Reading | None = None) -> Measur
     Parameters
     ----------
     path
-        A text file whose first column is the time or the position, with a column for each signal (``docs/twin.md``), or
-        a bag, in which forces are ``ContactForces`` and stresses ``AxleStress``.
+        A text file whose first column is the time or the position, with a column for each signal
+        (``docs/howto/twin.md``), or a bag, in which forces are ``ContactForces`` and stresses ``AxleStress``.
     reading
         What the headings of a text file do not say.
 
