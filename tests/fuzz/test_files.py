@@ -28,6 +28,7 @@ pytestmark = [
     pytest.mark.fuzz,
     pytest.mark.slow,
     pytest.mark.filterwarnings("ignore::wheelset_track_sim.errors.InputWarning"),
+    pytest.mark.filterwarnings("ignore:Reading `.npy` or `.npz` file required additional header parsing:UserWarning"),
     pytest.mark.filterwarnings("ignore:Generating overly large repr"),  # of a failure, which it would hide
 ]
 quiet = settings(

@@ -202,6 +202,13 @@ def test_arrays_unpack_to_a_bounded_size(tmp_path: Path, arrays: dict[str, np.nd
         load_wheelset(tmp_path / "bomb.npz")
 
 
+def test_members_of_an_archive_are_arrays(tmp_path: Path) -> None:
+    with ZipFile(tmp_path / "text.npz", "w") as packed:
+        packed.writestr("modes", "text")
+    with pytest.raises(InputError, match=r"text.npz: modes is no array"):
+        load_wheelset(tmp_path / "text.npz")
+
+
 @pytest.mark.parametrize("name", ["a\0b.csv", "\ud800.csv", "x" * 5000, "a\0b.npy"])
 def test_names_that_no_file_can_have_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=r"cannot be the name of a file|cannot be read"):

@@ -109,6 +109,8 @@ def _arrays(path: Path) -> dict[str, Any]:
         raise InputError(f"{path} cannot be read ({reason}): give a file of numpy.savez") from None
     content: dict[str, Any] = {}
     for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):
+            raise InputError(f"{path}: {name} is no array: give a file of numpy.savez")
         if array.size > MOST_VALUES:
             raise InputError(f"{path}: {name} has {array.size} numbers: give at most {MOST_VALUES}")
         *parts, last = name.split(".", MAX_DEPTH)
