@@ -106,8 +106,9 @@ def test_a_chunk_that_declares_more_than_is_read(tmp_path: Path, whole: tuple[by
     [
         (struct.pack("<BQHI", Opcode.MESSAGE_INDEX, 6, 1, 0), "more than 100000 records hold no samples"),
         (chunk(b"", b"", 0), "a chunk has no checksum"),
+        (chunk(b"x", b"", 2), "a chunk is damaged"),
     ],
-    ids=["indexes", "chunks"],
+    ids=["indexes", "chunks", "wrong chunks"],
 )
 def test_records_that_hold_nothing(tmp_path: Path, whole: tuple[bytes, int], record: bytes, reason: str) -> None:
     assert_all_else_is_read(with_records(tmp_path, whole, record * 120_000), reason)

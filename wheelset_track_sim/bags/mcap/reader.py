@@ -33,7 +33,10 @@ CHUNK = struct.Struct("<BQQQQII")  # opcode, length; first and last time, size, 
 MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 FOOTER = struct.Struct("<BQQQI8s")  # opcode, length; summary, offsets, CRC; magic
 DATA_END = struct.Struct("<BQI")  # opcode, length; CRC
-CHUNK_START = re.compile(rb"(?s)\x06(?=.{36}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))")
+CHUNK_START = re.compile(rb"(?s)\x06(?=.{24}(?!\0{8}).{12}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0))")
+"""Of a chunk that has data."""
+CHECKED_START = re.compile(CHUNK_START.pattern.replace(rb".{12}", rb".{8}(?!\0{4}).{4}"))
+"""Of one that has a CRC as well."""
 OUTSIDE: dict[int, Any] = {
     Opcode.HEADER: Header,
     Opcode.SCHEMA: Schema,
@@ -54,6 +57,8 @@ LATEST = 2**64 - 1
 """Largest time that a record can have, ns."""
 LARGEST_DEFINITION, MOST_DEFINITIONS = 1 << 20, 1 << 26
 """Bytes of the definition of a type or a topic, and of all that a file has."""
+MOST_STARTS = 1_000_000
+"""Places in a file that begin like a chunk and are none."""
 MOST_DAMAGES = 1000
 """Damages of a file that are reported."""
 UNREADABLE = (McapError, ZstdError, struct.error, ValueError, LookupError, RuntimeError, OverflowError)
@@ -196,13 +201,13 @@ class McapReader:
             tiring = passed > MOST_PASSED
             found = f"more than {MOST_PASSED} records hold no samples" if tiring else self._record(place, limit)
             if isinstance(found, str):
-                resumed = self._next_chunk(place + 1, limit) if tiring else self._resumed(place, limit)
+                resumed = self._next_chunk(place, limit) if tiring else self._resumed(place, limit)
                 self.report(place, resumed, found)
                 place, passed = resumed, 0
                 continue
             opcode, place, content = found
             ended = opcode == Opcode.DATA_END
-            passed = 0 if isinstance(content, Chunk) and content.data else passed + 1
+            passed = 0 if isinstance(content, Chunk) and len(content.data) >= RECORD + LEAST else passed + 1
             if content is not None:
                 yield content
         if self.index is None:
@@ -309,6 +314,7 @@ class McapReader:
         """Allow as much work as a file of this size may ask for."""
         self._records_left = MOST_RECORDS + int(RECORDS_PER_BYTE * self.size)
         self._bytes_left = MOST_BYTES + BYTES_PER_BYTE * self.size
+        self._starts_left = MOST_STARTS
 
     def _topic(self, number: int) -> Topic | None:
         channel = self._channels.get(number)
@@ -423,10 +429,14 @@ class McapReader:
         return self._next_chunk(place + 1, limit)
 
     def _next_chunk(self, place: int, limit: int) -> int:
-        """Where the next whole chunk begins; ``limit`` if there is none."""
+        """Where the next whole chunk with data begins; ``limit`` if there is none."""
+        start = CHUNK_START if self.index else CHECKED_START
         while place < limit:
             window = self._read(place, min(WINDOW + CHUNK.size + 12, limit - place))
-            for found in CHUNK_START.finditer(window):
+            for found in start.finditer(window):
+                self._starts_left -= 1
+                if self._starts_left < 0:
+                    return limit
                 if isinstance(self._chunk(place + found.start(), limit), Chunk):
                     return place + found.start()
             place += WINDOW
