@@ -112,7 +112,7 @@ def compiled_meanwhile(module: str, kernels: str) -> Iterator[None]:
 
 
 def compile_ahead(module: str, kernels: str) -> None:
-    """Begin to compile a set of kernels in a second process with low priority, unless they are; do not wait for it.
+    """Begin to compile a set of kernels in a second process, unless they are; do not wait for it.
 
     It ends with this process at the latest. A kernel that is called before it is ready is waited for.
     """
