@@ -70,7 +70,7 @@ def test_the_step_is_stable_up_to_the_root_of_six() -> None:
 
 
 def test_a_step_of_another_length_goes_on_with_the_motion() -> None:
-    """With W = omega dt, phases err by W^4/480, and velocities are too small by W^2/12, which a change of dt changes."""
+    """With W = omega dt, phases err by W^4/480; velocities are too small by W^2/12, which a change of dt changes."""
     omega, periods = np.array([0.025, 0.05, 0.1, 0.2]), np.repeat([1.0, 1.5], 300)
     time = np.concatenate([[0.0], np.cumsum(periods[:-1])])
     phase = (omega[:, np.newaxis] * periods) ** 4 / 480 * omega[:, np.newaxis] * periods
