@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from wheelset_track_sim.cli import command_line, main
+from wheelset_track_sim.fatigue.curve import load_curve
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.studies import load_study
@@ -25,6 +26,7 @@ LOADS = {
     "tracks": load_track,
     "vehicles": load_vehicle,
     "wheelsets": load_wheelset,
+    "woehler": load_curve,
 }
 PARSER = command_line.command_parser()
 (PARSERS,) = (action.choices for action in PARSER._actions if isinstance(action, argparse._SubParsersAction))

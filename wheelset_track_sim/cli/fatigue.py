@@ -1,0 +1,217 @@
+"""``fatigue``: cycles and damage of the turning axle, of a scenario that is simulated or of a bag."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from ..bags.bag import Bag
+from ..errors import InputError, RecordingError, recorded_input, warn
+from ..fatigue.axle import AxleFatigue, NodeFatigue, TurningWheel
+from ..fatigue.curve import Curve, load_curve
+from ..fatigue.rainflow import GATE, StressSpectrum
+from ..fatigue.static_stress import check_loads, static_stress
+from ..inputs import shipped
+from ..inputs.amounts import in_unit
+from ..inputs.yaml12 import parse
+from ..runtime.arrays import Real
+from ..runtime.progress import Progress
+from ..samples.block import SampleBlock
+from ..scenario import Scenario, load_scenario, scenario_from
+from ..simulation.simulator import Simulator
+from ..wheelset.kinds import reduce_wheelset
+from ..wheelset.reduced import ReducedWheelset
+from .console import print_object, terminal
+from .progress import shown
+
+DISTANCE = 500.0
+"""Run by default, m: damage is within 0.5 % of that over all combinations of wheel angle and sleeper."""
+LONGEST = 1e7
+"""m"""
+CHUNK = 5556
+"""Steps simulated at once."""
+LABELS = {"elementary": "elementary", "haibach": "Haibach", "original": "original", "curve": "second slope"}
+"""Rules of Miner in tables."""
+PER = 1e6
+"""Distance for which damage is printed, m."""
+
+
+def fatigue(
+    run: str,
+    changes: Sequence[str],
+    curve_name: str,
+    distance: float | None,
+    *,
+    angles: int,
+    gate: float | None,
+    json: bool,
+    warnings: Sequence[str] = (),
+) -> int:
+    """Count the cycles of a run and print its damage at each stress node; returns the exit status."""
+    curve = load_curve(curve_name)
+    if distance is not None and not 0 < distance <= LONGEST:
+        raise InputError(f"--distance {distance:g} m is out of range: give more than 0 m, up to {LONGEST:g} m")
+    bag = is_bag(run)
+    if bag and changes:
+        raise InputError("--set changes a scenario, and a bag is a run already: leave it out, or give a scenario")
+    with shown() as progress:
+        found, name = (
+            _recorded(Path(run), curve, distance, angles, gate, progress)
+            if bag
+            else _simulated(load_scenario(run, changes), curve, distance or DISTANCE, angles, gate, progress)
+        )
+    nodes, spectrum = found.nodes, found.spectrum
+    if nodes[0].distance < found.wheel.circumference:
+        raise InputError(
+            f"{run} has {nodes[0].distance:g} m, less than one turn of {found.wheel.circumference:.4g} m: give more"
+        )
+    result = as_mapping(name, nodes, spectrum, curve) | {"warnings": [*warnings]}
+    print_object(result) if json else terminal().print(table(name, nodes, curve))
+    return 0
+
+
+def is_bag(run: str) -> bool:
+    """Whether a name is one of a bag, and not of a scenario."""
+    path = Path(run)
+    return run not in shipped.names("scenarios") and (path.suffix == ".mcap" or path.is_dir())
+
+
+def _simulated(
+    scenario: Scenario, curve: Curve, distance: float, angles: int, gate: float | None, progress: Progress
+) -> tuple[AxleFatigue, str]:
+    """Fatigue of a scenario over a distance, and its name."""
+    torques = [event.torque for event in scenario.events if event.torque is not None]
+    check_loads(
+        [scenario.loads, *(dataclasses.replace(scenario.loads, torque=each, torque_plan=()) for each in torques)]
+    )
+    _warn_of_loads([event.axle_load or scenario.axle_load for event in scenario.events], scenario.axle_load)
+    simulator = Simulator(scenario, progress)
+    found = _fatigue(scenario, simulator.models.reduced, curve, angles, gate, scenario.output.stress_nodes)
+    simulator.settle()
+    steps = math.ceil(distance / scenario.step_length)
+    while simulator.next_step < steps:
+        found.push(simulator.advance(min(CHUNK, steps - simulator.next_step)))
+        progress(f"simulate {scenario.name}", simulator.next_step / steps)
+    return found, scenario.name
+
+
+def _recorded(
+    path: Path, curve: Curve, distance: float | None, angles: int, gate: float | None, progress: Progress
+) -> tuple[AxleFatigue, str]:
+    """Fatigue of a bag, and the name of its scenario; raises RecordingError for gaps and decimated samples."""
+    bag = Bag(path)
+    scenarios = [_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
+    if not scenarios:
+        raise RecordingError(f"{path} holds no scenario, so its loads are unknown: record it with this package")
+    check_loads([each.loads for each in scenarios])
+    scenario = scenarios[0]
+    _warn_of_loads([state.axle_load for state in bag.states], scenario.axle_load)
+    reduced = reduce_wheelset(scenario.wheelset, progress, scenario.vehicle)
+    found: AxleFatigue | None = None
+    for block in bag.blocks():
+        if found is None:
+            found = _fatigue(scenario, reduced, curve, angles, gate, block.nodes)
+        left = math.inf if distance is None else math.ceil(distance / scenario.step_length) - found.steps
+        found.push(block if len(block) <= left else _first(block, int(left)))
+        if len(block) >= left:
+            break
+    assert found is not None  # a bag without blocks raises
+    return found, bag.info.scenario_name
+
+
+def _first(block: SampleBlock, samples: int) -> SampleBlock:
+    return dataclasses.replace(block, forces=block.forces[:samples], stresses=block.stresses[:samples], sensors={})
+
+
+def _warn_of_loads(loads: Sequence[float], first: float) -> None:
+    if any(load != first for load in loads):
+        warn(
+            f"axle_load changes during the run: ratios compare with an undamaged axle under {in_unit(first, 'kN', 'N')}"
+        )
+
+
+def _scenario(path: Path, text: str) -> Scenario:
+    """Scenario of a state; raises RecordingError."""
+    try:
+        with recorded_input():
+            return scenario_from(parse(text, "scenario of the bag", trusted=False))
+    except InputError as reason:
+        raise RecordingError(f"{path} holds a scenario that cannot be used: {reason}") from None
+
+
+def _fatigue(
+    scenario: Scenario, reduced: ReducedWheelset, curve: Curve, angles: int, gate: float | None, nodes: Sequence[str]
+) -> AxleFatigue:
+    static = static_stress(scenario, reduced, nodes)
+    return AxleFatigue(static, TurningWheel.of(scenario), curve, points=angles, gate=GATE if gate is None else gate)
+
+
+def as_mapping(name: str, nodes: Sequence[NodeFatigue], spectrum: StressSpectrum, curve: Curve) -> dict[str, Any]:
+    """The object that ``fatigue --json`` prints."""
+    per_node = len(spectrum.damage) // len(nodes)
+    merged = spectrum.merged_at_most[:, 0].reshape(len(nodes), per_node)
+    return {
+        "run": name,
+        "distance_m": nodes[0].distance,
+        "curve": dataclasses.asdict(curve) | {"assumed": curve.assumed},
+        "angles_rad": nodes[0].angles.tolist(),
+        "forced_half_cycles": int(spectrum.forced.sum()),
+        "nodes": {
+            node.name: {
+                "ratio_to_undamaged": dict(zip(curve.rules, map(_or_none, node.ratios), strict=True)),
+                "rotating_amplitude_Pa": node.amplitude,
+                "undamaged_amplitude_Pa": node.undamaged_amplitude,
+                "mean_Pa": node.mean,
+                "equivalent_range_Pa": node.equivalent_range,
+                "worst_angle_rad": node.angle,
+                "damage_per_1000_km": dict(zip(curve.rules, node.damage_in(PER), strict=True)),
+                "undamaged_damage_per_1000_km": _by_rule(node.undamaged * (PER / node.distance), curve),
+                "damage_by_angle_per_1000_km": (node.damage[:, 0] * (PER / node.distance)).tolist(),
+                "merged_damage_at_most": float(merged[index].max()),
+            }
+            for index, node in enumerate(nodes)
+        },
+    }
+
+
+def _or_none(ratio: float) -> float | None:
+    return None if math.isnan(ratio) else ratio
+
+
+def _by_rule(damage: Real, curve: Curve) -> dict[str, float]:
+    return dict(zip(curve.rules, damage.tolist(), strict=True))
+
+
+def table(name: str, nodes: Sequence[NodeFatigue], curve: Curve) -> Table:
+    """The same for people; a star marks what depends on the constants of the curve."""
+    shown_as = Table(
+        title=f"{name}: {nodes[0].distance:.0f} m, rotating stress at {len(nodes[0].angles)} angles",
+        title_justify="left",
+        caption=f"* by the S-N curve {curve.name}: {in_unit(curve.limit, 'MPa', 'Pa')} at "
+        f"{curve.knee_cycles:g} cycles, slope {curve.slope:g}, survival {curve.survival_probability:g}, "
+        f"mean stress {curve.mean_stress}\nsource: {curve.source}",
+        caption_justify="left",
+    )
+    shown_as.add_column("")
+    for node in nodes:
+        shown_as.add_column(node.name, justify="right")
+    rows: list[tuple[str, Callable[[NodeFatigue], str]]] = [
+        ("* damage, ratio to undamaged", lambda node: f"{node.ratios[0]:.2f}"),
+        ("rotating amplitude", lambda node: f"{node.amplitude / 1e6:.1f} MPa"),
+        ("rotating amplitude, undamaged", lambda node: f"{node.undamaged_amplitude / 1e6:.1f} MPa"),
+        ("mean stress", lambda node: f"{node.mean / 1e6:.1f} MPa"),
+        ("* equivalent range", lambda node: f"{node.equivalent_range / 1e6:.1f} MPa"),
+        ("worst angle", lambda node: f"{math.degrees(node.angle):.0f} deg"),
+    ]
+    for what, of in rows:
+        shown_as.add_row(what, *(of(node) for node in nodes))
+    for rule, of_rule in enumerate(zip(*(node.damage_in(PER) for node in nodes), strict=True)):
+        shown_as.add_row(
+            f"* damage per 1,000 km, {LABELS[curve.rules[rule]]}", *(f"{damage:.3g}" for damage in of_rule)
+        )
+    return shown_as

@@ -1,0 +1,1 @@
+"""Fatigue of the axle: rotating stress, rainflow counting and damage."""
