@@ -1,11 +1,13 @@
 """``fatigue`` of a bag and of a scenario."""
 
+import dataclasses
 import json
 
 import pytest
 
 from support.toy import toy_simulator
 from wheelset_track_sim.bags import BagWriter, RunInfo
+from wheelset_track_sim.bags.bag import Bag
 from wheelset_track_sim.cli.command_line import main
 from wheelset_track_sim.fatigue.axle import AxleFatigue, TurningWheel
 from wheelset_track_sim.fatigue.curve import load_curve
@@ -88,6 +90,28 @@ def gappy(tmp_path):
 def test_a_bag_with_a_gap_is_refused_by_name(gappy, capsys):
     assert main(["fatigue", str(gappy)]) == 1
     assert "gap.mcap has a gap, step 1500 follows step 999" in capsys.readouterr().err
+
+
+def test_a_decimated_bag_is_refused_by_name(bag, tmp_path, capsys):
+    path = tmp_path / "slow.mcap"
+    run = toy_simulator()
+    with BagWriter(path, Bag(bag[0]).info, start_ns=0) as writer:
+        writer.write_state(Bag(bag[0]).states[0])
+        writer.write(dataclasses.replace(run.advance(3000), decimation=10))
+    assert main(["fatigue", str(path)]) == 1
+    assert "slow.mcap holds only every 10th step of" in capsys.readouterr().err
+
+
+def test_a_changed_axle_load_is_warned_of(capsys, tmp_path):
+    path = tmp_path / "run.mcap"
+    run = toy_simulator()
+    with record(path, run) as push:
+        push(run.advance(3000))
+        run.apply(dataclasses.replace(run.scenario, axle_load=150e3))
+        while run.next_step < 6000:
+            push(run.advance(6000 - run.next_step))
+    warnings = printed(capsys, path)["warnings"]
+    assert warnings == ["axle_load changes during the run: ratios compare with an undamaged axle under 196.2 kN"]
 
 
 def test_a_bag_without_a_scenario_is_refused(tmp_path, capsys):

@@ -35,6 +35,7 @@ LEFT_OUT = {
         f"{WTS} resimulate",
         f"{WTS} compare shallow",
     ),
+    "howto/fatigue": (f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }

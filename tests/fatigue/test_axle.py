@@ -71,12 +71,12 @@ def test_horizontal_bending_is_in_quadrature():
 
 
 def test_the_point_at_the_top_is_found_by_its_angle():
-    """A peak 200 steps after angle 0 meets the rail: the point at the top then is 72 deg before it, turning forwards."""
+    """A peak 200 steps after angle 0 meets the rail: by then the points have turned by 72 deg."""
     bending = np.full(30_000, 60e6)
     bending[WHEEL.origin + 200 :: 1000] = 120e6
     [node] = fatigue_of(at_rest(60e6), block_of(bending), points=360).nodes
     turned = 2 * math.pi * 200 / 1000
-    top = int(round(math.degrees(-turned))) % 360
+    top = round(math.degrees(-turned)) % 360
     assert node.damage[top, 0] == node.damage[:, 0].max()
 
 
@@ -94,10 +94,8 @@ def test_a_press_fit_changes_means_alone():
     assert two.mean == 35e6
     assert two.damage == pytest.approx(one.damage, rel=1e-9)
     assert two.amplitude == pytest.approx(one.amplitude, rel=1e-12)
-    by_mean = [each.spectrum.half_cycles.sum(axis=(0, 1)) for each in (without, fitted)]
-    centres = [
-        np.average(each.spectrum.means, weights=means) for each, means in zip((without, fitted), by_mean, strict=True)
-    ]
+    spectra = without.spectrum, fitted.spectrum
+    centres = [np.average(each.means, weights=each.half_cycles.sum(axis=(0, 1))) for each in spectra]
     assert centres[1] - centres[0] == pytest.approx(35e6, abs=3e6)
     [counted] = fatigue_of(at_rest(60e6, mean=35e6), block_of(bending + 35e6), curve=WITH_MEAN).nodes
     assert counted.damage[:, 0].max() > 1.2 * one.damage[:, 0].max()

@@ -32,7 +32,8 @@ def test_damage_of_random_channels(seed):
 
 def test_mean_stress_is_that_of_the_fkm_guideline():
     meanstress = pytest.importorskip("pylife.strength.meanstress", reason="pylife is not installed")
-    amplitudes, means = np.array([100.0, 80.0, 60.0, 50.0, 30.0]), np.array([0.0, 50.0, -50.0, 100.0, 200.0])
+    amplitudes = np.array([100.0, 80.0, 60.0, 50.0, 30.0, 30.0])
+    means = np.array([0.0, 50.0, -50.0, 100.0, 200.0, -90.0])
     found = [equivalent_amplitude(a, m, 0.3) for a, m in zip(amplitudes, means, strict=True)]
     expected = meanstress.fkm_goodman(amplitudes, means, M=0.3, M2=0.1, R_goal=-1)
     assert found == pytest.approx(np.ravel(expected).tolist(), rel=1e-9)

@@ -44,9 +44,8 @@ def three_point(series):
 
 
 def damage(ranges):
-    return sum(
-        halves / 2 * (size / 2 * MPA / CURVE.limit) ** CURVE.slope / CURVE.knee_cycles for size, halves in ranges
-    )
+    shares = [(size / 2 * MPA / CURVE.limit, halves / 2) for size, halves in ranges]
+    return sum(cycles * share**CURVE.slope / CURVE.knee_cycles for share, cycles in shares)
 
 
 def counted(*series, gate=0.0):

@@ -210,8 +210,6 @@ def table(name: str, nodes: Sequence[NodeFatigue], curve: Curve) -> Table:
     ]
     for what, of in rows:
         shown_as.add_row(what, *(of(node) for node in nodes))
-    for rule, of_rule in enumerate(zip(*(node.damage_in(PER) for node in nodes), strict=True)):
-        shown_as.add_row(
-            f"* damage per 1,000 km, {LABELS[curve.rules[rule]]}", *(f"{damage:.3g}" for damage in of_rule)
-        )
+    for rule, *damages in zip(curve.rules, *(node.damage_in(PER) for node in nodes), strict=True):
+        shown_as.add_row(f"* damage per 1,000 km, {LABELS[rule]}", *(f"{damage:.3g}" for damage in damages))
     return shown_as

@@ -40,7 +40,7 @@ class Curve:
     second_slope: float | None = quantity("", 1.0, 1000.0, "the slope below the knee", default=None)
     """Without one, only the rules of Miner say what happens below the knee."""
     mean_stress: Literal["none", "fkm"] = "none"
-    """``none`` ignores the mean; ``fkm`` uses ``mean_stress_sensitivity`` in the four regions of the FKM guideline."""
+    """``none`` ignores the mean; ``fkm`` uses ``mean_stress_sensitivity`` as ``equivalent_amplitude`` says."""
     mean_stress_sensitivity: float = quantity("", 0.0, 1.0, "the mean stress sensitivity M", default=0.0)
     size_factor: float = quantity("", 0.1, 2.0, "the size factor", default=1.0)
     surface_factor: float = quantity("", 0.1, 2.0, "the surface factor", default=1.0)

@@ -198,15 +198,16 @@ def bin_of(stress: float, width: float, zero: int, last: int) -> int:
 def equivalent_amplitude(amplitude: float, mean: float, sensitivity: float) -> float:
     """Amplitude at mean stress 0, Pa, that damages as much as ``amplitude`` about ``mean`` does.
 
-    With the mean stress sensitivity M, the lines of equal damage have, over the mean, the slope 0 for stress ratios
-    R > 1, M up to R = 0, M / 3 up to R = 0.5, and 0 beyond; they are continuous. M = 0 ignores the mean.
+    With the mean stress sensitivity M, lines of equal damage fall over the mean with the slope 0 for stress ratios
+    R > 1, M up to R = 0, and M / 3 beyond; they are continuous. M = 0 ignores the mean. Source: the Haigh diagram
+    ``fkm_goodman`` of pylife 2.3, after the FKM guideline.
     """
     third = sensitivity / 3
     if mean < -amplitude:
         return amplitude * (1 - sensitivity)
     if mean <= amplitude:
         return amplitude + sensitivity * mean
-    return (amplitude + third * min(mean, 3 * amplitude)) * (1 + sensitivity) / (1 + third)
+    return (amplitude + third * mean) * (1 + sensitivity) / (1 + third)
 
 
 @kernel
