@@ -37,7 +37,7 @@ def test_blocks_come_back_bit_by_bit(path, run_info, run_blocks):
 
 def test_awkward_bits_survive(path, run_info, make_block):
     block = make_block(2**63 + 5, 3)
-    forces = np.array([[-0.0, 5e-324], [1e150, 0.1], [np.nextafter(1, 2), 1 / 3]])
+    forces = np.array([[-0.0, 5e-324], [9e29, 0.1], [np.nextafter(1, 2), 1 / 3]])
     block = dataclasses.replace(block, forces=forces)
     with BagWriter(path, run_info, start_ns=0) as bag:
         bag.write(block)

@@ -1,3 +1,4 @@
+import sys
 from functools import cache
 
 import numpy as np
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 from wheelset_track_sim.contact import ContactGeometry, build_contact_law
 from wheelset_track_sim.contact.law import rolling_surfaces
 from wheelset_track_sim.irregularities import Breakout, Harmonic, HeadDefect, Polygon
-from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.scenario import Scenario, load_scenario
 from wheelset_track_sim.simulation.changes import Changes, Condition, Revision
 from wheelset_track_sim.simulation.passage import differences, faded, passage
 
@@ -92,16 +93,21 @@ def test_a_fade_begins_with_the_old_surfaces_and_ends_with_the_new_ones(first):
     assert not found.rails[0].all().any()
 
 
+def nothing_due(_: Scenario) -> int:
+    """Step of the next event: none."""
+    return sys.maxsize
+
+
 def test_a_run_goes_on_while_a_fade_is_made_and_the_fade_begins_after_it() -> None:
     """The run claims blocks of 100 steps while the first two fades are made; the third one is far enough ahead."""
     scenario, smooth, rough = load_scenario("undamaged"), law(), law(polygon(1e-5))
     changes = Changes(Condition(Revision(0, 0), scenario, smooth, np.zeros(2), 0, ORIGIN), ORIGIN)
-    assert changes.claim(500) == 500
+    assert changes.claim(500, nothing_due) == 500
     begun = []
 
     def fade(begin: int) -> tuple:
         begun.append(begin)
-        changes.claim((600, 900)[len(begun) - 1] if len(begun) < 3 else begin)
+        changes.claim((600, 900)[len(begun) - 1] if len(begun) < 3 else begin, nothing_due)
         return rough, 200
 
     revision = changes.add(scenario, rough, np.zeros(2), fade)

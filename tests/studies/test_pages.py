@@ -53,7 +53,7 @@ def texts(path):
 def test_a_study_leaves_figures_tables_and_summaries(left) -> None:
     for name in ("over_speed", "passage", "patches"):
         assert image.imread(left / f"{name}.png").shape[1] == 1200
-        assert "Causal dynamics" in texts(left / f"{name}.svg")
+        assert "causal dynamics" in texts(left / f"{name}.svg")
     drawn = texts(left / "over_speed.svg")
     for text in ("running speed (km/h)", "contact force wheel 1 (kN)", "max. principal stress A1, max (MPa)", "paper"):
         assert text in drawn

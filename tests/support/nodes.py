@@ -133,7 +133,8 @@ class Client:
         """
         if service not in self.clients:
             self.clients[service] = self.node.create_client(kind, f"{self.name}/{service}")
-            self.meet()
+            if self.name:  # that of a node, which has this service
+                self.meet()
         asked = self.ask(self.clients[service], kind.Request(**fields), ANSWER, again)
         assert asked or not again, f"{service} did not answer"
         return asked[0] if asked else None
