@@ -220,7 +220,7 @@ def _like(draw: st.DrawFn, value: Any, kept: tuple[str, ...]) -> Any:
     """A value of the same kind as another one."""
     if isinstance(value, np.ndarray):
         length = draw(st.sampled_from([0, 1, len(value) - 1, len(value) + 1, len(value)]))
-        found = np.resize(value, max(length, 0)).copy() if len(value) else np.zeros(length, value.dtype)
+        found = np.resize(value, max(length, 0)).copy() if len(value) else np.zeros(max(length, 0), value.dtype)
         if len(found) and value.dtype.kind == "f":
             found[draw(st.integers(0, len(found) - 1))] = draw(st.floats())
         return found
