@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+import json
 import re
 import shlex
 from contextlib import suppress
@@ -139,7 +140,7 @@ def default_of(field):
 
 
 @pytest.mark.slow
-def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch):
+def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch, capsys):
     text = (ROOT / "docs" / "tutorials" / "detector.md").read_text(encoding="utf-8")
     wagon, detector = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
     monkeypatch.chdir(tmp_path)
@@ -149,6 +150,11 @@ def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch):
     assert len(wts.load_study("results/detector.yaml").runs()) == 7 * 3
     turn = wts.Simulator(wts.load_scenario("results/wagon.yaml")).advance(3000)
     assert 230e3 < turn.forces[:, 0].max() < 250e3 < 350e3
+    capsys.readouterr()
+    assert main(["fatigue", "results/wagon.yaml", "--json"]) == 0
+    a2 = json.loads(capsys.readouterr().out)["nodes"]["A2"]
+    assert a2["rotating_amplitude_Pa"] == pytest.approx(81.0e6, abs=0.1e6)
+    assert a2["ratio_to_undamaged"]["elementary"] == pytest.approx(2.03, abs=0.005)
 
 
 def test_the_scenario_of_the_page_can_be_used(tmp_path):
