@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from mcap.records import Channel, DataEnd, Message, Schema
 from mcap.stream_reader import StreamReader
+from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 FORCES, STRESS = "wheelset_track_msgs/msg/ContactForces", "wheelset_track_msgs/msg/AxleStress"
@@ -73,7 +74,9 @@ class PlainSignals:
                     self.counts[channel.topic] += 1
                     schema = schemas[channel.schema_id]
                     if schema.name in SIGNALS:
-                        self.spans.setdefault(channel.topic, []).append(_span(schema, record.data))
+                        # Without samples that cannot be read a signal has a gap; a topic of another name may hold them.
+                        with suppress(SerdeError):
+                            self.spans.setdefault(channel.topic, []).append(_span(schema, record.data))
 
 
 def _span(schema: Schema, data: bytes) -> Span:
