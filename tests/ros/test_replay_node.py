@@ -83,11 +83,11 @@ def test_subscribers_cannot_tell_it_from_the_node(start, play, client, make_clie
 
 
 def test_a_bag_of_version_0_1_is_played(play, client):
-    """States have a field more since: subscribers get messages of today's type."""
+    """States and summaries have fields more since: subscribers get messages of today's types."""
     stored = by_topic(recorded(OLD_BAG))
     with RecordedBag(OLD_BAG) as bag:
         conversions = {name: topic.conversion for name, topic in bag.topics.items() if topic.conversion}
-    assert [*conversions] == [f"{NODE}/state"]
+    assert {*conversions} == {f"{NODE}/state", f"{NODE}/summary"}
     for topic, conversion in conversions.items():
         stored[topic] = [padded(conversion(cdr)) for cdr in stored[topic]]
     listener = Subscriber(client, OLD_BAG)

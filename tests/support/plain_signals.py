@@ -76,7 +76,8 @@ class PlainSignals:
                     if schema.name in SIGNALS:
                         # Without samples that cannot be read a signal has a gap; a topic of another name may hold them.
                         with suppress(SerdeError):
-                            self.spans.setdefault(channel.topic, []).append(_span(schema, record.data))
+                            span = _span(schema, record.data)
+                            self.spans.setdefault(channel.topic, []).append(span)
 
 
 def _span(schema: Schema, data: bytes) -> Span:

@@ -25,6 +25,8 @@ from .hosting import refusing
 
 ASKED_AGAIN = 1.0
 """Time after which the node is asked again whether it knows this client, s: the middleware loses the first answers."""
+FOUND = 10.0
+"""Longest time in which a node that is there answers a client that it did not know, s."""
 SETTLED = 2.0
 """Time in which the topics of a node that answers are known, s."""
 DEPTH = 50
@@ -122,7 +124,8 @@ class RemoteNode:
     def _meet(self) -> None:
         """Wait until the node answers a client that is younger than all others: it then knows them, too."""
         newest = self._node.create_client(GetParameters, f"{self.name}/get_parameters")
-        limit = time.monotonic() + self._patience
+        patience = min(FOUND, self._patience)
+        limit = time.monotonic() + patience
         try:
             while time.monotonic() < limit:
                 future = newest.call_async(GetParameters.Request())
@@ -133,7 +136,7 @@ class RemoteNode:
         finally:
             self._node.destroy_client(newest)
         raise WheelsetTrackError(
-            f"no node {self.name} answers within {self._patience:g} s in ROS_DOMAIN_ID "
+            f"no node {self.name} answers within {patience:g} s in ROS_DOMAIN_ID "
             f"{os.environ.get('ROS_DOMAIN_ID', '0')}: start it, or give its name with --node"
         )
 

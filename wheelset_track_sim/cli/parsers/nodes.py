@@ -183,7 +183,7 @@ def takes_node(command: Parser) -> None:
         "--timeout",
         action=Amount,
         unit="s",
-        default=10.0,
+        default=120.0,
         metavar="TIME",
-        help="longest time to wait for the node (default: '10 s')",
+        help="longest time to wait for an answer (default: '2 min'); a node that is not there is reported after 10 s",
     )
