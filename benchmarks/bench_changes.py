@@ -10,9 +10,9 @@ import time
 from typing import Any
 
 import pytest
-from bench_start import FIRST_CHUNK
-from conftest import Measure, group
 
+from benchmarks.bench_start import FIRST_CHUNK
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.irregularities.listing import listed
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import Measure, group
-from half_spaces import SOLVERS, Problem, sphere, wheel_on_rail
 
+from benchmarks.conftest import Measure, group
+from benchmarks.half_spaces import SOLVERS, Problem, sphere, wheel_on_rail
 from wheelset_track_sim.contact.solutions import force_at
 from wheelset_track_sim.irregularities import Breakout
 from wheelset_track_sim.scenario import load_scenario
@@ -56,7 +56,7 @@ def test_contact_in_the_run(measure: Measure, tables: bool) -> None:
 
 
 def contact_forces(law: object, approach: np.ndarray) -> np.ndarray:
-    from profile_kernels import forces
+    from benchmarks.profile_kernels import forces
 
     found = np.empty(len(approach))
     forces(law, approach, found)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import Measure, group
 
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.cli.run import CHUNK, run
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.scenario import load_scenario

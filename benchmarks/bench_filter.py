@@ -6,8 +6,8 @@ import time
 from typing import Any
 
 import pytest
-from conftest import Measure, group
 
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.cli.run import CHUNK
 from wheelset_track_sim.samples.block import NO_CONTACTS
 from wheelset_track_sim.scenario import load_scenario

@@ -6,10 +6,10 @@ import time
 from typing import Any
 
 import numpy as np
-import profile_kernels
 import pytest
-from conftest import Measure, group
 
+from benchmarks import profile_kernels
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-import fleet
 import pytest
-from bag_throughput import bag_throughput
-from conftest import Measure
-from memory import Memory, memory_of_node, memory_of_run
-from node_throughput import node_load, node_throughput
+
+from benchmarks import fleet
+from benchmarks.bag_throughput import bag_throughput
+from benchmarks.conftest import Measure
+from benchmarks.memory import Memory, memory_of_node, memory_of_run
+from benchmarks.node_throughput import node_load, node_throughput
 
 HOUR = 3600.0
 

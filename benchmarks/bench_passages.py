@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from conftest import Measure, group
 
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.irregularities import Breakout, Flat, Irregularity
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.models import load_models

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import profile_kernels
 import pytest
-from conftest import Measure, group
 
+from benchmarks import profile_kernels
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.cli.run import CHUNK
 from wheelset_track_sim.contact.solutions import approach_for_force
 from wheelset_track_sim.runtime.one_core import one_core

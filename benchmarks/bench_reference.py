@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from conftest import Measure, group
-from plain import Plain
 
+from benchmarks.conftest import Measure, group
+from benchmarks.plain import Plain
 from wheelset_track_sim.contact.solutions import approach_for_force, contact_filter, solver
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.coupled_kernels import run

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Measure, group
 
+from benchmarks.conftest import Measure, group
 from wheelset_track_sim.cli.run import CHUNK
 from wheelset_track_sim.dynamics.causal import causal_model
 from wheelset_track_sim.dynamics.running_wheelset import truncated

@@ -9,7 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import Measure
+
+from benchmarks.conftest import Measure
 
 FIRST_CHUNK = """
 import time
