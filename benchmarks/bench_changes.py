@@ -19,7 +19,7 @@ from wheelset_track_sim.simulation.simulator import Simulator
 
 KINDS = {
     "flat": "{type: flat, on: wheel_1, length: 0.04}",
-    "polygon": "{type: polygon, on: wheel_1, harmonics: [{"order": 3, "amplitude": 5.0e-5}]}",
+    "polygon": "{type: polygon, on: wheel_1, harmonics: [{order: 3, amplitude: 5.0e-5}]}",
     "roughness of a tread": "{type: roughness, on: wheel_1}",
     "corrugation": "{type: corrugation, on: rail_1, wavelength: 0.06, amplitude: 2.0e-5}",
     "roughness of both rails": "{type: roughness, on: rail_1}, {type: roughness, on: rail_2, seed: 1}",
