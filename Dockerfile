@@ -16,7 +16,7 @@ COPY . .
 SHELL ["/bin/bash", "-o", "pipefail", "-c"]
 RUN source /opt/ros/jazzy/setup.bash \
     && python3 tools/setup_env.py prometheus \
-    && rm -rf .venv/build /root/.cache
+    && rm -rf .venv/build "$HOME/.cache"
 
 USER 10001
 WORKDIR /recordings
