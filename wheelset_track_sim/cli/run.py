@@ -67,6 +67,7 @@ def run(
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
+        simulator.require(steps_left(simulator, duration))
         if out is not None and form is not None:
             check_steps(out, form, steps_left(simulator, duration))
             bag = stack.enter_context(exported(out, form))

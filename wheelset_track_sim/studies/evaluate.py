@@ -95,6 +95,7 @@ def evaluate(job: Job, made_for: str) -> Result:
             f"this worker runs another version of the program ({__version__}): install the same version everywhere"
         )
     simulator = Simulator(job.scenario, models=models(job.scenario))
+    simulator.require(job.first_step + job.samples)
     _kept.settled = {simulator.settling: simulator.settle(_kept.settled.get(simulator.settling))}
     while simulator.next_step < job.first_step:
         simulator.advance(job.first_step - simulator.next_step)
