@@ -110,7 +110,7 @@ class RunMessages:
             summary=summary,
             turn=events.turn,
             channels=self._sensors.channels,
-            sensed=self._sensors.push(block),
+            sensed=self._sensors.push(block, self.simulator.in_force.sensors),
             **vars(timing),
         )
         return BlockMessages(
