@@ -55,7 +55,7 @@ def test_people_see_what_depends_on_the_law(bag, capsys):
     assert "a crack of 4 mm" in shown
     assert "* distance left, fast" in shown
     assert "* inspect every (fast / 3)" in shown
-    assert "* by the paris law assumed_steel; source: assumed: the fast end has" in shown
+    assert "* by the law of Paris assumed_steel; source: assumed: the fast end has" in shown
 
 
 def test_a_law_without_a_source_and_a_bored_axle_are_refused(bag, tmp_path, capsys):

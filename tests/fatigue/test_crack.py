@@ -86,3 +86,8 @@ def test_cells_have_the_exact_range_and_mean_of_a_constant_amplitude():
     both = count.spectrum + count.spectrum
     assert both.cells(0)[2].sum() == 2 * number.sum()
     assert both.cells(0)[0] == pytest.approx(span)
+
+
+def test_the_worst_place_is_where_the_impact_opens_the_crack():
+    pulled, pushed = turning(80e6, 12e6), turning(81e6, -12e6)
+    assert crack.fastest([pushed, pulled, pushed], STEEL, 0.01, DIAMETER) == 1

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from ..errors import InputError
 from ..fatigue.axle import AxleFatigue
-from ..fatigue.crack import CrackLife, CrackSpectrum, crack_life, growth_per_metre
+from ..fatigue.crack import CrackLife, CrackSpectrum, crack_life, fastest
 from ..fatigue.curve import load_curve
 from ..fatigue.growth import ENDS, CrackGrowth, load_crack_growth
 from ..inputs.amounts import in_unit
@@ -75,13 +75,8 @@ def crack(
 def _cracked(found: AxleFatigue, node: int, growth: CrackGrowth, depth: float, diameter: float) -> CrackedNode:
     points, length = len(found.angles), found.steps * found.wheel.step_length
     spectrum = found.spectrum
-    spectra = []
-    for point in range(points):
-        span, mean, number = spectrum.cells(node * points + point)
-        spectra.append(CrackSpectrum(span, mean, number / length))
-    fast = growth.at("fast")
-    rates = [growth_per_metre(each, fast, np.array([depth]), diameter)[0] for each in spectra]
-    worst = int(np.argmax(rates))
+    spectra = [CrackSpectrum.of(spectrum, node * points + point, length) for point in range(points)]
+    worst = fastest(spectra, growth.at("fast"), depth, diameter)
     lives = {end: crack_life(spectra[worst], growth.at(end), depth, diameter) for end in ENDS}
     return CrackedNode(found.static.nodes[node], float(found.angles[worst]), diameter, lives)
 
@@ -126,7 +121,7 @@ def _curve(life: CrackLife) -> dict[str, list[float | None]]:
 def table(name: str, nodes: Sequence[CrackedNode], growth: CrackGrowth, depth: float, inspections: int) -> Table:
     """The same for people; a star marks what depends on the law of growth."""
     shown_as = Table(
-        title=f"{name}: a crack of {in_unit(depth, 'mm', 'm')}, rotating stress at its worst angle",
+        title=f"{name}: a crack of {in_unit(depth, 'mm', 'm')} at its worst angle",
         title_justify="left",
         caption=f"* by the {growth.note}",
         caption_justify="left",

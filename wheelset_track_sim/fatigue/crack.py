@@ -22,6 +22,7 @@ equation for the surface crack, Eng. Fracture Mechanics 15 (1981) 185-192.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,7 @@ import numpy as np
 from ..errors import InputError
 from ..runtime.arrays import Real
 from .growth import CrackGrowth
+from .rainflow import StressSpectrum
 
 DEPTHS = np.array([0.0, 0.067, 0.133, 0.2, 0.267, 0.333, 0.4, 0.467, 0.533, 0.6, 0.667, 0.733, 0.8])
 """a/D."""
@@ -67,6 +69,12 @@ class CrackSpectrum:
     """Pa."""
     per_metre: Real
     """Cycles a metre, 1/m."""
+
+    @classmethod
+    def of(cls, spectrum: StressSpectrum, channel: int, distance: float) -> CrackSpectrum:
+        """Cycles of a channel that were counted over a distance, m."""
+        span, mean, number = spectrum.cells(channel)
+        return cls(span, mean, number / distance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +126,25 @@ def growth_per_metre(spectrum: CrackSpectrum, growth: CrackGrowth, depth: Real, 
     return found
 
 
+def fastest(spectra: Sequence[CrackSpectrum], growth: CrackGrowth, depth: float, diameter: float) -> int:
+    """Number of the spectrum, of those at places around an axle, under which a crack grows fastest.
+
+    A crack opens in tension, so this is not the place with most damage: an impact that finds a point at the bottom of
+    the axle has the same range as one half a turn later, and the opposite mean.
+    """
+    rates = [growth_per_metre(each, growth, np.array([depth]), diameter)[0] for each in spectra]
+    return int(np.argmax(rates))
+
+
 def crack_life(spectrum: CrackSpectrum, growth: CrackGrowth, depth: float, diameter: float) -> CrackLife:
     """Grow a crack until the stress intensity reaches the toughness, or the crack is half as deep as the shaft.
+
+    Examples
+    --------
+    >>> constant = CrackSpectrum(span=np.array([160e6]), mean=np.array([0.0]), per_metre=np.array([1 / 2.713]))
+    >>> life = crack_life(constant, load_crack_growth("assumed_steel").at("fast"), depth=0.002, diameter=0.18)
+    >>> print(f"{life.left / 1e3:.0f} km, then {1e3 * life.depth[-1]:.0f} mm deep")
+    2508 km, then 90 mm deep
 
     Parameters
     ----------

@@ -32,6 +32,8 @@ from ..inputs.schema import check, quantity, read
 from ..runtime.arrays import Real
 from .curve import ASSUMED
 
+LAWS = {"paris": "law of Paris", "nasgro": "NASGRO equation"}
+"""As people read them."""
 ENDS = {"slow": -1, "middle": 0, "fast": 1}
 """Ends of the band over the scatter of the inputs, and its middle."""
 LEAST_RATIO = -2.0
@@ -95,7 +97,7 @@ class CrackGrowth:
     @property
     def note(self) -> str:
         """Law and source, as people read them beside numbers that depend on them."""
-        return f"{self.law} law {self.name}; source: {self.source}"
+        return f"{LAWS[self.law]} {self.name}; source: {self.source}"
 
     def at(self, end: str) -> CrackGrowth:
         """Growth at an end of the scatter of all inputs together: ``slow``, ``middle`` or ``fast``."""
