@@ -13,6 +13,7 @@ import pytest
 
 from wheelset_track_sim.cli import command_line, main
 from wheelset_track_sim.fatigue.curve import load_curve
+from wheelset_track_sim.fatigue.growth import load_crack_growth
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.studies import load_study
@@ -21,6 +22,7 @@ from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.vehicle import load_vehicle
 
 LOADS = {
+    "cracks": load_crack_growth,
     "scenarios": load_scenario,
     "studies": load_study,
     "tracks": load_track,

@@ -54,6 +54,20 @@ def fatigue(
 ) -> int:
     """Count the cycles of a run and print its damage at each stress node; returns the exit status."""
     curve = load_curve(curve_name)
+    found, name = counted(run, changes, curve, distance, angles=angles, gate=gate)
+    nodes, spectrum = found.nodes, found.spectrum
+    result = as_mapping(name, nodes, spectrum, curve) | {"warnings": [*warnings]}
+    print_object(result) if json else terminal().print(table(name, nodes, curve))
+    return 0
+
+
+def counted(
+    run: str, changes: Sequence[str], curve: Curve, distance: float | None, *, angles: int, gate: float | None
+) -> tuple[AxleFatigue, str]:
+    """Count the cycles of a scenario that is simulated, or of a bag; returns them with the scenario's name.
+
+    Raises InputError for what cannot be counted or is less than a turn, and RecordingError for a bag with gaps.
+    """
     if distance is not None and not 0 < distance <= LONGEST:
         raise InputError(f"--distance {distance:g} m is out of range: give more than 0 m, up to {LONGEST:g} m")
     bag = is_bag(run)
@@ -65,14 +79,22 @@ def fatigue(
             if bag
             else _simulated(load_scenario(run, changes), curve, distance or DISTANCE, angles, gate, progress)
         )
-    nodes, spectrum = found.nodes, found.spectrum
-    if nodes[0].distance < found.wheel.circumference:
+    counted_distance = found.steps * found.wheel.step_length
+    if counted_distance < found.wheel.circumference:
         raise InputError(
-            f"{run} has {nodes[0].distance:g} m, less than one turn of {found.wheel.circumference:.4g} m: give more"
+            f"{run} has {counted_distance:g} m, less than one turn of {found.wheel.circumference:.4g} m: give more"
         )
-    result = as_mapping(name, nodes, spectrum, curve) | {"warnings": [*warnings]}
-    print_object(result) if json else terminal().print(table(name, nodes, curve))
-    return 0
+    return found, name
+
+
+def first_scenario(run: str, changes: Sequence[str]) -> Scenario:
+    """Scenario that is simulated, or the first one of a bag; raises RecordingError for a bag without any."""
+    if not is_bag(run):
+        return load_scenario(run, changes)
+    states = Bag(Path(run)).states
+    if not states:
+        raise RecordingError(f"{run} holds no scenario, so its loads are unknown: record it with this package")
+    return _scenario(Path(run), states[0].scenario)
 
 
 def is_bag(run: str) -> bool:
@@ -192,9 +214,7 @@ def table(name: str, nodes: Sequence[NodeFatigue], curve: Curve) -> Table:
     shown_as = Table(
         title=f"{name}: {nodes[0].distance:.0f} m, rotating stress at {len(nodes[0].angles)} angles",
         title_justify="left",
-        caption=f"* by the S-N curve {curve.name}: {in_unit(curve.limit, 'MPa', 'Pa')} at "
-        f"{curve.knee_cycles:g} cycles, slope {curve.slope:g}, survival {curve.survival_probability:g}, "
-        f"mean stress {curve.mean_stress}\nsource: {curve.source}",
+        caption=f"* by the {curve.note}",
         caption_justify="left",
     )
     shown_as.add_column("")

@@ -88,6 +88,8 @@ def _carry_out(task: Task, resources: Resources, console: Console, *, parquet: b
     for table in found:
         console.print(_for_terminal(table, task.study.title))
     pictures = [path for path in files if path.suffix == ".png"]
+    if results.note:
+        console.print(results.note, highlight=False)
     for path in (*pictures, *pages):
         console.print(f"{'picture' if path in pictures else 'summary'} {path}", highlight=False, soft_wrap=True)
     return len(results.failures)

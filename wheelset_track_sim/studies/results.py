@@ -12,7 +12,7 @@ from ..report.published import published_case
 from ..scenario import Scenario
 from .axes import Axis, Point
 from .evaluate import Result
-from .outputs import value_of
+from .outputs import STARRED, value_of
 from .study import Study, StudyRun
 
 SLEEPER_SPACING = 0.6
@@ -62,7 +62,18 @@ class Results:
             {f"{3.6 * each.speed:.4g} km/h" for each in scenarios},
         )
         facts = ", ".join(fact for same in said if len(same) == 1 for fact in same)
-        return f"{facts}; {window.before:g} m before to {window.after:g} m after angle 0 of the treads"
+        return ". ".join(
+            filter(
+                None,
+                (f"{facts}; {window.before:g} m before to {window.after:g} m after angle 0 of the treads", self.note),
+            )
+        )
+
+    @property
+    def note(self) -> str:
+        """Material constants on which starred outputs depend, with their source; empty if there are none."""
+        curve = self.study.sn_curve
+        return f"* by the {curve.note}" if curve and any(STARRED in name for name in self.study.outputs) else ""
 
     def value(self, index: int, output: str) -> float:
         """Output of a run, SI; NaN if the run failed."""

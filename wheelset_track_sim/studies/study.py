@@ -6,10 +6,12 @@ import copy
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 from ..errors import InputError
+from ..fatigue.curve import Curve, load_curve
 from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
@@ -19,7 +21,7 @@ from .axes import Axis, Point, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
-from .outputs import check_output
+from .outputs import check_output, nodes_of_fatigue
 from .pressure_maps import PressureMaps
 
 FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
@@ -96,6 +98,8 @@ class Study:
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
     """What is kept of every step."""
+    curve: str | Path = ""
+    """Name or file of the S-N curve of outputs of fatigue."""
     pressures: tuple[str, ...] = ()
     """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
     drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
@@ -116,7 +120,9 @@ class Study:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
         if not (self.has_runs or self.figures):
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
-        axes = self.axes  # read now, so that a study that exists can be used
+        if nodes_of_fatigue(self.outputs) and not self.curve:
+            raise InputError("curve is missing: name the S-N curve of the outputs of fatigue, such as assumed_body")
+        axes, _ = self.axes, self.sn_curve  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
             if key == following:
@@ -133,6 +139,11 @@ class Study:
     def axes(self) -> tuple[Axis, ...]:
         """What is varied."""
         return tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+
+    @cached_property
+    def sn_curve(self) -> Curve | None:
+        """S-N curve of outputs of fatigue; raises InputError for one that cannot be used."""
+        return load_curve(self.curve) if nodes_of_fatigue(self.outputs) else None
 
     def base(self, changes: Sequence[str] = ()) -> dict[str, Any]:
         """Base scenario as a plain mapping, with the study's changes and then ``key=value`` ones; raises InputError."""
@@ -175,7 +186,7 @@ class Study:
             self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures)
+        kept = (self.outputs, self.histories, self.pressures, self.sn_curve)
         return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
     def _check(self, scenario: Scenario) -> None:
@@ -210,7 +221,8 @@ def load_study(name_or_path: str | Path) -> Study:
     try:
         data = shipped.load_yaml("studies", name_or_path)
         if isinstance(data, dict) and Path(name_or_path).is_file():
-            find_beside(data, "scenario", Path(name_or_path).parent)
+            for key in ("scenario", "curve"):
+                find_beside(data, key, Path(name_or_path).parent)
         return read(Study, data, "")
     except InputError as refusal:
         if str(name_or_path) in str(refusal):
