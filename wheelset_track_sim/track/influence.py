@@ -26,7 +26,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..runtime.arrays import Complex, Real
+from ..runtime.arrays import Complex
 from .bay import half_sleeper
 from .bloch import BlochTrack
 from .timoshenko import deflection_row, transfer_matrix
