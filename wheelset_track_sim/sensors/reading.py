@@ -73,7 +73,7 @@ class _Steps(NamedTuple):
         return _Steps(*(each[first:] for each in self))
 
 
-class _Clock:
+class StepClock:
     """Times of steps that do not depend on how a run is cut: of the first step, and on at each step period."""
 
     def __init__(self) -> None:
@@ -101,7 +101,7 @@ class SensorReader:
         self.topic = f"{sensor.topic}/{TRUE}" if true else sensor.topic
         self._turn, self._origin = steps_per_revolution, tread_origin
         self._rate, self._range = (None, None) if true else (sensor.rate, sensor.range)
-        self._clock, self._steps, self._next = _Clock(), None, 0
+        self._clock, self._steps, self._next = StepClock(), None, 0
         if self._rate is not None:
             key = f"{sensor.seed} {sensor.topic}"
             self._noise = Noise(key, len(sensor.channels), sensor.noise, sensor.drift, self._rate)

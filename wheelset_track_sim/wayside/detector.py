@@ -7,13 +7,14 @@ readings of the rail or of a sleeper at places (``Term``), whose influence lines
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Literal, NamedTuple, TypeAlias
+from typing import Any, ClassVar, Literal, NamedTuple, TypeAlias
 
 from ..errors import InputError
 from ..inputs import shipped
-from ..inputs.schema import check, quantity, read
+from ..inputs.schema import check, parsed, plain, quantity, read, unknown
 from ..track.influence import Quantity
 from ..track.track import Track
 
@@ -52,11 +53,7 @@ class Gauge:
 
     def __post_init__(self) -> None:
         check(self)
-        if not NAME.fullmatch(self.name) or len(self.name) > LONGEST_NAME:
-            raise InputError(
-                f"name = {self.name!r} cannot name a channel: give at most {LONGEST_NAME} lower-case letters, digits "
-                f"and single underscores between them, a letter first"
-            )
+        _check_name(self.name, "channel")
 
     @property
     def rail(self) -> int:
@@ -191,6 +188,7 @@ class Detector:
 
     def __post_init__(self) -> None:
         check(self)
+        _check_name(self.name, "detector")
         if not self.channels:
             raise InputError("channels is empty: give at least one channel, such as {type: shear_bridge, ...}")
         if len(self.channels) > MOST:
@@ -229,7 +227,72 @@ def load_detector(source: str | Path) -> Detector:
     >>> [channel.name for channel in load_detector("shear_single").channels]
     ['bay_1_rail_1', 'bay_1_rail_2']
     """
-    return read(Detector, shipped.load_yaml("detectors", source), "")
+    return read_detector(shipped.load_yaml("detectors", source), "")
+
+
+def read_detector(data: Any, where: str) -> Detector:
+    """Detector from the name of a shipped one or from a mapping; ``where`` is the key that messages begin with.
+
+    Raises InputError.
+    """
+    if isinstance(data, Detector):
+        return data
+    if isinstance(data, str):
+        if data not in shipped.names("detectors"):
+            raise InputError(unknown("detector", f"{where} = {data!r}", data, shipped.names("detectors")))
+        return load_detector(data)
+    return read(Detector, data, where)
+
+
+def plain_detector(detector: Detector) -> Any:
+    """Name of a shipped detector, or a mapping of all that it is; ``read_detector`` reads both."""
+    if detector.name in shipped.names("detectors") and detector == load_detector(detector.name):
+        return detector.name
+    return plain(detector)
+
+
+@dataclass(frozen=True)
+class WaysideDetector:
+    """A detector that stands beside the track."""
+
+    detector: Detector = parsed(read_detector, plain_detector)
+    """In files: the name of a shipped detector, the path of a file, or a mapping."""
+    position: float = quantity("m", 0.0, 1e7, "the position of the detector along the track")
+    name: str = ""
+    """Last part of its topic; the name of the detector if empty."""
+
+    def __post_init__(self) -> None:
+        check(self)
+        if self.name:
+            _check_name(self.name, "topic")
+
+    @property
+    def topic(self) -> str:
+        """Where it publishes."""
+        return f"wayside/{self.name or self.detector.name}"
+
+
+def check_detectors(standing: Sequence[WaysideDetector], track: Track, slowest: float, step_length: float) -> None:
+    """Raise InputError, with the dotted key, for detectors that cannot stand where they do, or that share a topic.
+
+    ``slowest`` is the least rate of the steps, Hz.
+    """
+    if len(standing) > MOST:
+        raise InputError(f"wayside has {len(standing)} entries: give up to {MOST}")
+    topics = [each.topic for each in standing]
+    for index, each in enumerate(standing):
+        if each.topic in topics[:index]:
+            raise InputError(f"wayside.{index}: topic {each.topic} is that of another detector: give another name")
+        try:
+            check_place(each.detector, track, each.position, slowest)
+        except InputError as refusal:
+            raise InputError(f"wayside.{index}: {refusal}") from None
+        first = each.detector.ends(track)[0] - each.detector.reach
+        if each.position + first < -step_length:
+            raise InputError(
+                f"wayside.{index}.position = {each.position:g} m is off the line, which begins at 0 m: detector "
+                f"{each.detector.name} reads from {each.position + first:.4g} m, give at least {-first:.4g} m"
+            )
 
 
 def check_place(detector: Detector, track: Track, position: float, step_rate: float) -> None:
@@ -259,3 +322,11 @@ def check_place(detector: Detector, track: Track, position: float, step_rate: fl
                 f"channels.{index}.x = {channel.x:g} m puts a {channel.type} at {place:g} m, beside a sleeper: give "
                 f"{nearest - position:.4g} m, or a position at a whole number of bays of {track.spacing:g} m"
             )
+
+
+def _check_name(name: str, what: str) -> None:
+    if not NAME.fullmatch(name) or len(name) > LONGEST_NAME:
+        raise InputError(
+            f"name = {name!r} cannot name a {what}: give at most {LONGEST_NAME} lower-case letters, digits and single "
+            f"underscores between them, a letter first"
+        )

@@ -95,6 +95,12 @@ def window(detector: Detector, track: Track, position: float, step_length: float
     return math.floor(begin / step_length + 1e-6), math.ceil(end / step_length - 1e-6)
 
 
+def first_that_counts(begin: int, track: Track, step_length: float) -> int:
+    """First step whose force counts for a reading that begins at the step ``begin``."""
+    steps = round(track.spacing / step_length)
+    return (begin // steps - LEAD - FADE) * steps
+
+
 @on_one_core
 def wayside_reading(
     detector: Detector,
@@ -255,7 +261,7 @@ class _Run:
         step_length: float,
         rate: float,
     ) -> _Run:
-        first = (begin // steps - LEAD - FADE) * steps
+        first = (begin // steps - LEAD - FADE) * steps  # ``first_that_counts``
         last = (end // steps + 1 + FADE // 2) * steps
         fade_in, fade_out = (begin // steps - LEAD) * steps, end
         at = np.arange(first, last)
