@@ -55,6 +55,11 @@ class SensorChunk:
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
 
+    @property
+    def end(self) -> int:
+        """Number of the sample after the last one."""
+        return self.first_sample + len(self)
+
 
 class _Steps(NamedTuple):
     """Steps that are needed yet, one entry each."""

@@ -364,7 +364,7 @@ def _passed(run: _Run, track: Track, cuts: list[_Place], grid: _Grid) -> tuple[C
     return total[:, : run.bays], total[:, run.bays :]
 
 
-@lru_cache(maxsize=24)
+@lru_cache(maxsize=12)
 def _table(track: Track, steps: int, step_length: float, speed: float, grid: _Grid, low: int) -> Complex:
     """Rows psi exp(-i omega t), (steps, 4, frequencies), of a bay from t = 0 on, for ``PART`` from ``low`` on."""
     frequencies = grid.frequencies[low : low + PART]
@@ -378,7 +378,7 @@ def _table(track: Track, steps: int, step_length: float, speed: float, grid: _Gr
     return table
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=24)
 def _line(
     track: Track, half: Half, grid: _Grid, quantity: Quantity, place: float, first: int, last: int
 ) -> InfluenceLine:

@@ -66,6 +66,12 @@ class _Steps:
     speed: Real
     revision: Real
 
+    @classmethod
+    def at_rest(cls, first: int, end: int, speed: float) -> _Steps:
+        """Without forces."""
+        nothing = np.zeros(end - first)
+        return cls(first, np.zeros((end - first, 2)), nothing, speed + nothing, nothing)
+
     @property
     def end(self) -> int:
         return self.first + len(self.forces)
@@ -89,15 +95,28 @@ class WaysideWatch:
     track
         Track with equal supports.
     step_length
-        m
+        Length of a step, m.
+    speed
+        Speed, m/s, for which tables are made at once; without, the first passage takes a second longer than others.
     """
 
-    def __init__(self, standing: Sequence[WaysideDetector], track: Track, step_length: float) -> None:
+    def __init__(
+        self,
+        standing: Sequence[WaysideDetector],
+        track: Track,
+        step_length: float,
+        *,
+        speed: float | None = None,
+    ) -> None:
         self._track, self._dx, self._clock = track, step_length, StepClock()
         ends = [window(each.detector, track, each.position, step_length) for each in standing]
         order = sorted(range(len(standing)), key=lambda index: ends[index][1])
         self._waiting = [(standing[index], *ends[index]) for index in order]
         self._steps: _Steps | None = None
+        for each, begin, end in self._waiting:
+            if speed is not None:
+                nothing = _Steps.at_rest(begin, end + 1, speed)
+                self._passage(nothing, each, begin)
 
     def push(self, block: SampleBlock) -> list[WaysidePassage]:
         """Passages that are complete with a block; after a gap in the steps, what counts begins anew."""
