@@ -94,7 +94,7 @@ def first_scenario(run: str, changes: Sequence[str]) -> Scenario:
     states = Bag(Path(run)).states
     if not states:
         raise RecordingError(f"{run} holds no scenario, so its loads are unknown: record it with this package")
-    return _scenario(Path(run), states[0].scenario)
+    return recorded_scenario(Path(run), states[0].scenario)
 
 
 def is_bag(run: str) -> bool:
@@ -127,7 +127,7 @@ def _recorded(
 ) -> tuple[AxleFatigue, str]:
     """Fatigue of a bag, and the name of its scenario; raises RecordingError for gaps and decimated samples."""
     bag = Bag(path)
-    scenarios = [_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
+    scenarios = [recorded_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
     if not scenarios:
         raise RecordingError(f"{path} holds no scenario, so its loads are unknown: record it with this package")
     check_loads([each.loads for each in scenarios])
@@ -157,7 +157,7 @@ def _warn_of_loads(loads: Sequence[float], first: float) -> None:
         )
 
 
-def _scenario(path: Path, text: str) -> Scenario:
+def recorded_scenario(path: Path, text: str) -> Scenario:
     """Scenario of a state; raises RecordingError."""
     try:
         with recorded_input():

@@ -14,6 +14,7 @@ NEXT = {
     "wheelsets": "run undamaged --set wheelset={file} --set output.stress_nodes=[A1]",
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
+    "detectors": "wayside damage_wheel_1 --detector {file}",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
     "cracks": "crack damage_wheel_1 --depth '2 mm' --growth {file}",
 }
