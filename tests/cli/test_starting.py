@@ -17,10 +17,12 @@ from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.studies import load_study
 from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.verdict.limit_set import load_limits
 from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.vehicle import load_vehicle
 
 LOADS = {
+    "limits": load_limits,
     "scenarios": load_scenario,
     "studies": load_study,
     "tracks": load_track,

@@ -21,6 +21,8 @@ OF_NODES = {
     "min_principal": ("max. principal stress", "min", "Pa"),
 }
 """Quantity, what of it over time, SI unit."""
+FORCES = tuple(f"wheels.{wheel}.max_force" for wheel in WHEELS)
+"""Largest contact forces, which limits are for."""
 
 
 def known_outputs(nodes: Sequence[str]) -> list[str]:
