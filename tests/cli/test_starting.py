@@ -13,6 +13,7 @@ import pytest
 
 from wheelset_track_sim.cli import command_line, main
 from wheelset_track_sim.fatigue.curve import load_curve
+from wheelset_track_sim.fatigue.mission import load_mission
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.studies import load_study
@@ -23,6 +24,7 @@ from wheelset_track_sim.wheelset.vehicle import load_vehicle
 
 LOADS = {
     "limits": load_limits,
+    "missions": load_mission,
     "scenarios": load_scenario,
     "studies": load_study,
     "tracks": load_track,

@@ -15,6 +15,7 @@ NEXT = {
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
     "limits": "run damage_wheel_1 --limits {file}",
+    "missions": "fatigue damage_wheel_1 --mission {file}",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
 }
 """Commands that use a file of a kind."""
