@@ -15,6 +15,8 @@ NEXT = {
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
     "detectors": "wayside damage_wheel_1 --detector {file}",
+    "limits": "run damage_wheel_1 --limits {file}",
+    "missions": "fatigue damage_wheel_1 --mission {file}",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
     "cracks": "crack damage_wheel_1 --depth '2 mm' --growth {file}",
 }

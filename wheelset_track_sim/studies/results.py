@@ -10,9 +10,11 @@ from functools import cached_property
 
 from ..report.published import published_case
 from ..scenario import Scenario
+from ..verdict.limit_set import Level, LimitSet, load_limits
+from ..verdict.verdicts import verdicts, worst
 from .axes import Axis, Point
 from .evaluate import Result
-from .outputs import STARRED, value_of
+from .outputs import FORCES, STARRED, value_of
 from .study import Study, StudyRun
 
 SLEEPER_SPACING = 0.6
@@ -79,6 +81,18 @@ class Results:
         """Output of a run, SI; NaN if the run failed."""
         found = self.found.get(index)
         return found.values[output] if found else math.nan
+
+    @cached_property
+    def limits(self) -> LimitSet | None:
+        """What the runs are compared with; None if no largest force is kept, or there are no limits."""
+        return load_limits(self.study.limits) if set(FORCES) & {*self.study.outputs} else None
+
+    def verdict(self, index: int) -> Level:
+        """Worst level of a run's kept forces and damage against the limits; raises KeyError if the run failed."""
+        assert self.limits is not None
+        kept = self.found[index].values
+        forces = [kept.get(name, math.nan) for name in FORCES]
+        return worst(verdicts(self.limits, forces, self.runs[index].scenario.irregularities))
 
     def published(self, index: int, output: str) -> float:
         """What the paper prints for the case of a run, SI; NaN where it prints nothing."""

@@ -16,6 +16,7 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
@@ -102,6 +103,8 @@ class Study:
     """Name or file of the S-N curve of outputs of fatigue."""
     pressures: tuple[str, ...] = ()
     """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
+    limits: str = DEFAULT_LIMITS
+    """Limits for the verdict on each run: name of a shipped set, path of a file, or ``none``."""
     drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
@@ -118,6 +121,7 @@ class Study:
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
+        load_limits(self.limits)
         if not (self.has_runs or self.figures):
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
         if nodes_of_fatigue(self.outputs) and not self.curve:
