@@ -90,7 +90,9 @@ class Problem:
         self._roots = [_root(each, shape_error) for each in self.forwards]
         self.samples = sum(len(each.values) for each in self.forwards)
         self.of_track = [np.zeros((parts, len(each.values))) for each in self.forwards]
-        """What a standard deviation of each property of the track adds to an observation, (parts, n)."""
+        """What a standard deviation of each property of the track adds to an observation, (parts, n): linear part."""
+        self.bent = [np.zeros_like(each) for each in self.of_track]
+        """The same, quadratic part."""
         bounds = np.tile([-np.inf, np.inf], (len(self.names), 1))
         if kind:
             bounds[: self.sizes] = kind.bounds
@@ -143,7 +145,13 @@ class Problem:
         """Observed signal (n,), track included and without the gain."""
         forward = self.forwards[number]
         plain = self.signal(number, x, forward.weights(float(x[self.at(number, "speed")])), derivative)
-        return plain if derivative else plain + x[self.track] @ self.of_track[number]
+        return plain if derivative else plain + self.by_track(number, x)
+
+    def by_track(self, number: int, x: Real) -> Real:
+        """What the track adds to an observation, (n,)."""
+        off = x[self.track]
+        added: Real = off @ self.of_track[number] + off**2 @ self.bent[number]
+        return added
 
     def gain(self, number: int, x: Real) -> float:
         """Of an observation."""
@@ -156,8 +164,10 @@ class Problem:
             lag, v = self._lag(number, x), self._speed(number, x)
             here = forward.at(self.curve(number, x, speed), lag, v)
             for part in range(self.parts):
-                other = forward.at(self.curve(number, x, speed, part + 1), lag, v)
-                self.of_track[number][part] = other - here
+                more, less = (
+                    forward.at(self.curve(number, x, speed, sign * (part + 1)), lag, v) - here for sign in (1, -1)
+                )
+                self.of_track[number][part], self.bent[number][part] = (more - less) / 2, (more + less) / 2
 
     def whitened(self, number: int, of_samples: Real) -> Real:
         """Numbers for each sample of an observation, (n,) or (n, d), with unit covariance where theirs is C."""
@@ -206,7 +216,8 @@ class Problem:
                 moved[self.at(number, "speed")] += 0.01
                 change = self.signal(number, moved, near) - here
                 found[:, self.at(number, "speed")] += gain * change / 0.01
-        found[:, self.track] = gain * self.of_track[number].T
+        bent = 2 * x[self.track, np.newaxis] * self.bent[number]
+        found[:, self.track] = gain * (self.of_track[number] + bent).T
         return found
 
     def _steps(self, number: int, x: Real) -> Iterator[tuple[int, float]]:
@@ -222,10 +233,17 @@ class Problem:
         """The local optimum that is reached from ``start`` in some steps."""
         self.linearise_track(start)
         normal, rows = self.normal, np.eye(len(start))[self.normal]
+
+        def off(at: Real) -> Real:
+            return np.concatenate([self.residuals(at), at[normal]])
+
+        def slope(at: Real) -> Real:
+            return np.concatenate([self.jacobian(at), rows])
+
         found = least_squares(
-            lambda at: np.concatenate([self.residuals(at), at[normal]]),
+            off,
             np.clip(start, self.bounds[:, 0] + 1e-9, self.bounds[:, 1] - 1e-9),
-            lambda at: np.concatenate([self.jacobian(at), rows]),
+            slope,
             bounds=(self.bounds[:, 0], self.bounds[:, 1]),
             x_scale=self._scales,
             max_nfev=steps,

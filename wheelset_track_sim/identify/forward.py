@@ -9,8 +9,8 @@ The speed is uncertain by a few parts in a thousand. In the time since each hit 
 wheelset and track answer in time, and not over length. So f is interpolated linearly between two speeds, which are
 simulated, in the time since the last hit.
 
-Where the track is not what the model has, f changes as well. Its derivatives with respect to the stiffness and the
-damping of pads and ballast come from models of tracks that differ in one of them.
+Where the track is not what the model has, f changes as well: by a parabola in the stiffness and in the damping of pads
+and ballast each, through simulations on tracks with less and with more of it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -45,7 +45,7 @@ EARLIER = 1
 """Turns with hits before the first that a signal of the wheelset shows: bending of the axle rings on."""
 GAUGES = tuple(math.pi * number / (len(HARMONICS) - 1) for number in range(len(HARMONICS)))
 """Angles of gauges that are fixed in space, from which the strain at all angles follows, rad."""
-KEPT = 4096
+KEPT = 256
 """Curves that are kept."""
 
 
@@ -84,10 +84,14 @@ class TrackModels:
         self._built: dict[tuple[int, tuple[Sensor, ...]], Models] = {}
 
     def scenario_of(self, number: int, sensors: tuple[Sensor, ...]) -> Scenario:
-        """Scenario of track ``number``: 0 is the given one, each other one standard deviation off in one property."""
+        """Scenario of track ``number``: 0 is the given one.
+
+        Track ``n`` has a standard deviation more of property ``n - 1``, track ``-n`` a standard deviation less.
+        """
         track = self.scenario.track
         if number:
-            track = self.parts[number - 1].scaled(track, 1.0 + self.error)
+            error = self.error if number > 0 else -self.error
+            track = self.parts[abs(number) - 1].scaled(track, 1.0 + error)
         return dataclasses.replace(self.scenario, track=track, sensors=sensors)
 
     def models(self, number: int, sensors: tuple[Sensor, ...]) -> Models:
@@ -127,14 +131,7 @@ class Forward:
         before, after = -self.time[0] * observation.speed, self.time[-1] * observation.speed
         self.earlier = math.floor(before / self.circumference) + EARLIER if observation.on_wheelset else 0
         """Hits that are simulated before the one that counts."""
-        self.sensors: tuple[Sensor, ...] = {
-            "force": (),
-            "box": (AxleBoxAcceleration(),),
-            "strain": tuple(
-                StrainGauge(name=f"g{number}", y=observation.place_y, angle=angle, turning=False)
-                for number, angle in enumerate(GAUGES)
-            ),
-        }[observation.signal]
+        self.sensors = _sensors(observation)
         reach = 1.0 + SPAN * observation.speed_error
         self._before = MARGIN if observation.on_wheelset else min(before * reach + MARGIN, scenario.reference_position)
         self._after = self.bay + self.earlier * self.circumference + after * reach + MARGIN
@@ -144,7 +141,7 @@ class Forward:
         self._passages: dict[int, Passages] = {}
         self.simulated = 0
         """Passages simulated so far."""
-        self.curve = lru_cache(maxsize=KEPT)(self._curve)
+        self._kept: dict[Any, Curve] = {}
 
     def passages(self, track: int) -> Passages:
         """Passages on a track; see ``TrackModels``."""
@@ -160,8 +157,16 @@ class Forward:
         """Angle of a defect that meets the rail at ``place`` of a bay, m, in the hit that counts, rad."""
         return ((place - self.earlier * self.circumference) % self.bay) / self._radius
 
-    def _curve(self, damage: Irregularity | None, place: float, speed: int, track: int = 0) -> Curve:
-        """Curve of a damage whose ``angle`` is that of ``place``; None is no damage."""
+    def curve(self, damage: Irregularity | None, place: float, speed: int, track: int = 0) -> Curve:
+        """Curve of a damage whose ``angle`` is that of ``place``, at one of ``speeds``, on a track; None: no damage."""
+        key = damage, place, speed, track
+        if key not in self._kept:
+            self._kept[key] = self._curve(*key)
+            while len(self._kept) > KEPT:
+                self._kept.pop(next(iter(self._kept)))
+        return self._kept[key]
+
+    def _curve(self, damage: Irregularity | None, place: float, speed: int, track: int) -> Curve:
         self.simulated += 1
         passages, v = self.passages(track), self.speeds[speed]
         dx = passages.scenario.step_length
@@ -215,6 +220,14 @@ class Forward:
         return int(len(self.speeds) > 1 and deviation >= 0)
 
 
+def _sensors(observation: Observation) -> tuple[Sensor, ...]:
+    """From which the observed signal follows."""
+    if observation.signal == "strain":
+        gauges = enumerate(GAUGES)
+        return tuple(StrainGauge(name=f"g{n}", y=observation.place_y, angle=at, turning=False) for n, at in gauges)
+    return (AxleBoxAcceleration(),) if observation.signal == "box" else ()
+
+
 def low_passed(signals: Real, step: float) -> Real:
     """Signals (n, channels) without what sampling at every ``step`` steps (above 1) cannot show."""
     if step <= 1.0 + 1e-9:
@@ -225,4 +238,3 @@ def low_passed(signals: Real, step: float) -> Real:
     kernel /= kernel.sum()
     padded = np.pad(signals, ((half, half), (0, 0)), mode="edge")
     return np.stack([np.convolve(column, kernel, "valid") for column in padded.T], axis=-1)
-

@@ -105,9 +105,7 @@ def identify(
     )
 
 
-def _compared(
-    searched: Mapping[str, tuple[Problem, list[Mode]]], seed: int, progress: Progress
-) -> tuple[KindFit, ...]:
+def _compared(searched: Mapping[str, tuple[Problem, list[Mode]]], seed: int, progress: Progress) -> tuple[KindFit, ...]:
     """Fits of all kinds, the likeliest first."""
     evidence = {name: logsumexp([mode.log_evidence for mode in modes]) for name, (_, modes) in searched.items()}
     total = logsumexp([*evidence.values()])

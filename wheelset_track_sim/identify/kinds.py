@@ -39,7 +39,7 @@ class Unknown:
         return "m" if self.name.endswith("_m") else ""
 
     def coordinate(self, value: float) -> float:
-        """z of a value."""
+        """Z of a value."""
         return math.log(value) if self.logarithmic else value
 
     def value(self, z: Real) -> Real:
@@ -77,7 +77,7 @@ class DamageKind:
         return [float(each.value(at)) for each, at in zip(self.unknowns, z, strict=True)]
 
     def coordinates(self, sizes: Sequence[float]) -> Real:
-        """z of sizes, (sizes,)."""
+        """Z of sizes, (sizes,)."""
         return np.array([each.coordinate(size) for each, size in zip(self.unknowns, sizes, strict=True)])
 
 

@@ -1,4 +1,4 @@
-"""What was measured of one passage or some turns: a peak alone, or a signal over time, with how far it can be trusted."""
+"""What was measured of one passage or some turns: a peak alone or a signal over time, and how exact it is."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Observation:
     """A signal over time of one passage, or of a wheelset over some turns."""
 
     signal: Signal
-    """``force``: contact force of one wheel, N. ``box``: acceleration of its axle box, m/s^2. ``strain``: of the axle."""
+    """``force``: contact force of one wheel, N. ``box``: acceleration of its axle box, m/s^2. ``strain``: of axles."""
     time: Real
     """(n,) s, increasing at even steps."""
     values: Real
@@ -75,7 +75,7 @@ class Observation:
         check(self)
         if len(self.time) != len(self.values) or len(self.time) < FEWEST:
             raise InputError(
-                f"{self.source} has {len(self.time)} times and {len(self.values)} values: give at least {FEWEST} of each"
+                f"{self.source} has {len(self.time)} times and {len(self.values)} values: give {FEWEST} of each or more"
             )
         if not (np.isfinite(self.time).all() and np.isfinite(self.values).all()):
             raise InputError(f"{self.source} has values that are not finite: give numbers, or a part that has them")

@@ -69,9 +69,7 @@ def identify_peak(
     )
 
 
-def _fitted(
-    name: str, reading: PeakReading, passages: Passages, wheel: Wheel, seed: int
-) -> tuple[float, KindFit]:
+def _fitted(name: str, reading: PeakReading, passages: Passages, wheel: Wheel, seed: int) -> tuple[float, KindFit]:
     """Mean likelihood of a kind, and what the reading says about it."""
     kind = KINDS.get(name)
     if kind is None:
@@ -101,9 +99,7 @@ def _fitted(
         for at, each in enumerate(kind.unknowns)
     }
     least = float(off.min())
-    fit = KindFit(
-        name, kind.meaning, 0.0, least, explains(least), parameters, correlations(kind, z), values, laterals
-    )
+    fit = KindFit(name, kind.meaning, 0.0, least, explains(least), parameters, correlations(kind, z), values, laterals)
     return float(np.mean(np.exp(-0.5 * off))), fit
 
 
@@ -118,7 +114,7 @@ def _spread(kind: DamageKind, count: int, seed: int) -> Real:
 
 
 def _sizes_of(kind: DamageKind, unit: Real) -> Real:
-    """z of sizes from 0 to 1, (n, sizes)."""
+    """Z of sizes from 0 to 1, (n, sizes)."""
     low, high = kind.bounds.T
     z: Real = low + unit[:, : len(low)] * (high - low)
     return z
@@ -130,9 +126,7 @@ def _peak(kind: DamageKind, unit: Real, reading: PeakReading, passages: Passages
     sizes = kind.values(_sizes_of(kind, unit[np.newaxis])[0])
     angle = unit[len(sizes)] * scenario.track.spacing / radius
     lateral = FARTHEST * LATERAL * unit[-1] if kind.lateral else 0.0
-    block = passages.run(
-        [kind.make(wheel, sizes, angle, lateral)], speed=reading.speed, axle_load=reading.axle_load
-    )
+    block = passages.run([kind.make(wheel, sizes, angle, lateral)], speed=reading.speed, axle_load=reading.axle_load)
     return float(block.forces[:, WHEELS.index(wheel)].max())
 
 

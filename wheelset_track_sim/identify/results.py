@@ -1,4 +1,4 @@
-"""What identification finds: kinds with probabilities, sizes with intervals, and draws from which predictions follow."""
+"""What identification finds: kinds with probabilities, sizes with intervals, and draws to predict from."""
 
 from __future__ import annotations
 
@@ -96,8 +96,8 @@ class KindFit:
         if z.size == 0:
             return 0
         away = z - np.median(z, axis=0)
-        root = np.linalg.pinv(np.atleast_2d(np.cov(z.T)) + 1e-12 * np.eye(z.shape[1]))
-        return int(np.einsum("ni,ij,nj->n", away, root, away).argmin())
+        covariance = away.T @ away / len(away) + 1e-12 * np.eye(z.shape[1])
+        return int(np.einsum("ni,ij,nj->n", away, np.linalg.inv(covariance), away).argmin())
 
     def damage(self, wheel: Wheel, draw: int, observation: int = 0, angle: float = 0.0) -> tuple[Irregularity, ...]:
         """Irregularities of a draw, in the lateral place of an observation."""
@@ -166,6 +166,6 @@ def correlations(kind: DamageKind | None, z: Real) -> dict[tuple[str, str], floa
     """Of each pair of sizes, from draws z (n, sizes)."""
     if kind is None or len(kind.unknowns) < 2:
         return {}
-    matrix = np.corrcoef(z.T)
+    matrix = np.atleast_2d(np.corrcoef(z.T))
     names = [each.name for each in kind.unknowns]
     return {(names[i], names[j]): float(matrix[i, j]) for i in range(len(names)) for j in range(i + 1, len(names))}

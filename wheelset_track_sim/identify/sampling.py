@@ -147,7 +147,6 @@ def _residual(problem: Problem, number: int, x: Real, mode: Mode) -> Real:
     """Of the samples of an observation, from one simulation: what the speed adds is that of the optimum."""
     forward, best = problem.forwards[number], mode.x
     near = [(forward.nearest(float(best[problem.at(number, "speed")])), 1.0)]
-    track = x[problem.track] - best[problem.track]
-    of_speed = problem.predicted(number, best) - problem.signal(number, best, near)
-    y = problem.signal(number, x, near) + of_speed + track @ problem.of_track[number]
+    of_speed = problem.predicted(number, best) - problem.by_track(number, best) - problem.signal(number, best, near)
+    y = problem.signal(number, x, near) + of_speed + problem.by_track(number, x)
     return problem.whitened(number, problem.gain(number, x) * y - forward.values)
