@@ -16,6 +16,7 @@ from .ending import FAILED, complain, status_of
 from .parsers import (
     cache,
     compare,
+    dataset,
     demo,
     fatigue,
     info,
@@ -39,7 +40,18 @@ from .parsers.parser import PROGRAM, Parser
 from .warned import printed_warnings
 
 COMMANDS = (
-    *(listing.add, init.add, run.add, show.add, study.add, mapping.add, nodes.add_node, report.add, nodes.add_replay),
+    *(
+        listing.add,
+        init.add,
+        run.add,
+        show.add,
+        study.add,
+        mapping.add,
+        dataset.add,
+        nodes.add_node,
+        report.add,
+        nodes.add_replay,
+    ),
     *(nodes.add_get, nodes.add_set, nodes.add_call, nodes.add_echo, resimulate.add, recover.add, info.add),
     *(compare.add, stress.add, spectrum.add, fatigue.add, cache.add, demo.add),
 )

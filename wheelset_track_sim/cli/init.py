@@ -14,6 +14,7 @@ NEXT = {
     "wheelsets": "run undamaged --set wheelset={file} --set output.stress_nodes=[A1]",
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
+    "datasets": "dataset {file} --samples 64 --seed 1 --out damage.zarr",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
 }
 """Commands that use a file of a kind."""

@@ -51,7 +51,11 @@ def windows(
     surfaces are alike, or mirror images, and a tread and a rail.
     """
     n_c, ny = tread.shape[1:]
-    heights = np.concatenate([np.zeros((1, ny)), *tread, rail])
+    rough_treads = [_rough_all_along(heights[:, ny // 2]) for heights in tread]
+    rough_rails = [_rough_all_along(rail[row, ny // 2]) for row in rail_row]
+    # Rows of what is rough all along take long to tell apart, and no window is made of them.
+    treads = [np.zeros_like(each) if rough else each for each, rough in zip(tread, rough_treads, strict=True)]
+    heights = np.concatenate([np.zeros((1, ny)), *treads, rail[:1] if all(rough_rails) else rail])
     rows, number = distinct_rows(np.concatenate([heights, heights[:, ::-1]]))
     plain, turned = number.reshape(2, -1)
     alike = bool((separation[1] == separation[0]).all())
@@ -61,10 +65,18 @@ def windows(
     for wheel in range(2):
         row = turned if wheel == 1 and mirrored else plain
         base = wheel % search.smooth
-        on_treads[wheel] = search.numbers(row[1 + wheel * n_c :][:n_c], base)
-        found = search.numbers(row[1 + 2 * n_c + rail_row[wheel]], base)
-        on_rails[wheel] = np.where(found == base, 0, found)
+        on_treads[wheel] = -1 if rough_treads[wheel] else search.numbers(row[1 + wheel * n_c :][:n_c], base)
+        if rough_rails[wheel]:
+            on_rails[wheel] = -1
+        else:
+            found = search.numbers(row[1 + 2 * n_c + rail_row[wheel]], base)
+            on_rails[wheel] = np.where(found == base, 0, found)
     return Windows(search.gaps, on_treads, on_rails, search.smooth)
+
+
+def _rough_all_along(middle: Real) -> bool:
+    """Whether the heights (steps,) in the middle of a surface alone show that no two positions share a table."""
+    return bool(np.count_nonzero(middle) > ROUGH * len(middle) and len(np.unique(middle)) > MOST_IN_A_STRETCH)
 
 
 class _Search:
