@@ -43,6 +43,7 @@ LEFT_OUT = {
     ),
     "howto/crack": (f"{WTS} list", f"{WTS} crack damage_wheel_1 --depth '2 mm' --growth my_steel.yaml"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
+    "howto/maps": (f"{WTS} map", f"{WTS} study", "import xarray"),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }
 """Pages with the commands that are not run here: they take long, or need a node or a cluster. Other tests run these."""

@@ -17,6 +17,7 @@ NEXT = {
     "detectors": "wayside damage_wheel_1 --detector {file}",
     "limits": "run damage_wheel_1 --limits {file}",
     "missions": "fatigue damage_wheel_1 --mission {file}",
+    "datasets": "dataset {file} --samples 64 --seed 1 --out damage.zarr",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
     "cracks": "crack damage_wheel_1 --depth '2 mm' --growth {file}",
 }

@@ -65,6 +65,10 @@ class Lines:
         axes = {axis.name: axis for axis in study.axes}
         if self.x not in axes:
             raise InputError(unknown("axis of the study", f"{where}.x = {self.x!r}", self.x, [*axes]))
+        if any(axis.distribution for axis in study.axes):
+            raise InputError(
+                f"{where} has lines, which need axes of values: draw distributions as map or sensitivities"
+            )
         if not self.panels:
             raise InputError(f"{where}.panels is empty: give at least one panel with its outputs y")
         for index, panel in enumerate(self.panels):

@@ -18,12 +18,15 @@ from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
 from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
-from .axes import Axis, Point, read_axis
+from .axes import Axis, Point, combinations, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
+from .maps import Map
 from .outputs import check_output, nodes_of_fatigue
 from .pressure_maps import PressureMaps
+from .sampling import Sampling
+from .sensitivities import Sensitivities
 
 FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_receptances": wheelset_receptances.draw,
@@ -94,6 +97,8 @@ class Study:
     """Dotted scenario keys that differ from the base scenario in all runs."""
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
+    sampling: Sampling | None = None
+    """How values are drawn along axes that are distributions; ``Sampling()`` if None."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
@@ -105,7 +110,7 @@ class Study:
     """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
     limits: str = DEFAULT_LIMITS
     """Limits for the verdict on each run: name of a shipped set, path of a file, or ``none``."""
-    drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
+    drawings: tuple[Lines | Histories | PressureMaps | Map | Sensitivities, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
@@ -142,7 +147,14 @@ class Study:
     @property
     def axes(self) -> tuple[Axis, ...]:
         """What is varied."""
-        return tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+        axes = tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+        drawn = sum(axis.distribution is not None for axis in axes)
+        if self.sampling is not None:
+            _check_sampling(self.sampling, drawn, len(axes))
+        if not drawn:
+            return axes
+        shares = iter((self.sampling or Sampling()).draws(drawn).T)
+        return tuple(axis.drawn(next(shares)) if axis.distribution else axis for axis in axes)
 
     @cached_property
     def sn_curve(self) -> Curve | None:
@@ -175,7 +187,7 @@ class Study:
         if not self.has_runs:
             return ()
         base, axes = self.base(changes), self.axes
-        return tuple(self._run(base, axes, points) for points in itertools.product(*(axis.points for axis in axes)))
+        return tuple(self._run(base, axes, points) for points in combinations(axes))
 
     def _run(self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...]) -> StudyRun:
         data = copy.deepcopy(base)
@@ -202,6 +214,16 @@ class Study:
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
                 f"{scenario.reference_position:g} m, or raise reference_position"
             )
+
+
+def _check_sampling(sampling: Sampling, drawn: int, axes: int) -> None:
+    """Raise InputError for a design that does not fit the axes of a study, of which some are ``drawn``."""
+    if not drawn:
+        raise InputError("sampling draws from distributions, and vary has none: give one, or leave sampling out")
+    if sampling.method == "saltelli" and not 1 < drawn == axes:
+        raise InputError(
+            "sampling.method = saltelli compares distributions: give two axes or more, each with a distribution"
+        )
 
 
 def load_study(name_or_path: str | Path) -> Study:
