@@ -35,8 +35,15 @@ LEFT_OUT = {
         f"{WTS} resimulate",
         f"{WTS} compare shallow",
     ),
-    "howto/fatigue": (f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
+    "howto/fatigue": (
+        f"{WTS} run",
+        f"{WTS} study",
+        f"{WTS} fatigue flat.mcap",
+        f"{WTS} fatigue damage_wheel_1 --curve",
+    ),
+    "howto/crack": (f"{WTS} list", f"{WTS} crack damage_wheel_1 --depth '2 mm' --growth my_steel.yaml"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
+    "howto/maps": (f"{WTS} map", f"{WTS} study", "import xarray"),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }
 """Pages with the commands that are not run here: they take long, or need a node or a cluster. Other tests run these."""

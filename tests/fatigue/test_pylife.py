@@ -7,7 +7,7 @@ from wheelset_track_sim.fatigue.curve import load_curve
 from wheelset_track_sim.fatigue.rainflow import Rainflow
 from wheelset_track_sim.fatigue.rainflow_kernels import equivalent_amplitude
 
-rainflow = pytest.importorskip("pylife.stress.rainflow", reason="pylife is not installed")
+rainflow = pytest.importorskip("pylife.stress.rainflow", reason="pylife is not installed: extra fatigue")
 CURVE = load_curve("assumed_body")
 
 
@@ -31,7 +31,7 @@ def test_damage_of_random_channels(seed):
 
 
 def test_mean_stress_is_that_of_the_fkm_guideline():
-    meanstress = pytest.importorskip("pylife.strength.meanstress", reason="pylife is not installed")
+    meanstress = pytest.importorskip("pylife.strength.meanstress", reason="pylife is not installed: extra fatigue")
     amplitudes = np.array([100.0, 80.0, 60.0, 50.0, 30.0, 30.0])
     means = np.array([0.0, 50.0, -50.0, 100.0, 200.0, -90.0])
     found = [equivalent_amplitude(a, m, 0.3) for a, m in zip(amplitudes, means, strict=True)]

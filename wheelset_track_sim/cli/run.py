@@ -23,6 +23,9 @@ from ..scenario import WHEELS, Scenario, load_scenario
 from ..scenario.events import OF_NODE
 from ..simulation.instants import Contacts
 from ..simulation.simulator import Simulator
+from ..verdict.bending import AXIAL, BendingAmplitudes
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
+from ..verdict.verdicts import verdicts, worst
 from .console import print_object, terminal
 from .contacts import contact, contact_words
 from .progress import shown
@@ -46,14 +49,15 @@ def run(
     json: bool,
     settings: RecordSettings | None = None,
     impacts: ImpactSettings | None = None,
+    limits: str = DEFAULT_LIMITS,
     warnings: Sequence[str] = (),
 ) -> int:
     """Simulate a scenario and print its peaks; returns the exit status.
 
     ``out`` is a bag, or a table by its suffix. ``settings`` say how a bag is recorded, ``impacts`` defines an impact
-    there. ``warnings`` grow during the run.
+    there. ``limits`` is the set for the verdict, ``warnings`` grow during the run.
     """
-    what = load_scenario(scenario, changes)
+    what, limit_set = load_scenario(scenario, changes), load_limits(limits)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
     bag, form = out, None if out is None else form_of(out)
@@ -76,6 +80,8 @@ def run(
         if bag is not None:
             push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts))
         chunk = CHUNK if push else LONG_CHUNK
+        means = simulator.constant_stress[:, AXIAL]
+        bending = BendingAmplitudes(means, simulator.steps_per_revolution)
         started = time.perf_counter()
         totals: Summary | None = None
         contacts = Contacts()
@@ -84,6 +90,8 @@ def run(
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             contacts.push(simulator, block)
+            if limit_set is not None and limit_set.axle:
+                bending.push(block)
             if push is not None:
                 push(block, part)
             share = simulator.next_step / (simulator.next_step + left - len(block))
@@ -92,6 +100,12 @@ def run(
     assert totals is not None
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
     result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
+    if limit_set is not None:
+        damage = [item for applied in simulator.history for item in applied.scenario.irregularities]
+        amplitudes = dict(zip(block.nodes, bending.largest, strict=True)) if limit_set.axle else {}
+        found = verdicts(limit_set, [wheel.max_force for wheel in totals.wheels], damage, amplitudes)
+        result["verdict"] = {"limits": limit_set.name, "level": worst(found).word}
+        result["verdict"]["comparisons"] = [{**each.mapping, "text": each.text} for each in found]
     varies = what.speed_plan or any(event.speed or event.axle_load for event in what.events)
     print_object(result) if json else terminal().print(table(result, " at the start" if varies else ""))
     return 0
@@ -180,5 +194,9 @@ def table(result: dict[str, Any], when: str = "") -> Table:
     notes = ["at the largest force, " + "; ".join(flags)] if flags else []
     if words := contact_words(result["contact"]):
         notes.append(f"contacts without a force table: {words}")
+    if "verdict" in result:
+        shown_as.add_section()
+        shown_as.add_row("verdict", result["verdict"]["level"], "", "")
+        notes += [each["text"] for each in result["verdict"]["comparisons"]]
     shown_as.caption = "\n".join(notes) or None
     return shown_as

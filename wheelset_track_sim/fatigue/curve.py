@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..inputs import shipped
+from ..inputs.amounts import in_unit
 from ..inputs.schema import check, quantity, read
 from ..runtime.arrays import Real
 
@@ -59,6 +60,15 @@ class Curve:
     def assumed(self) -> bool:
         """Whether the constants are an assumption by their own source."""
         return self.source.lower().startswith(ASSUMED)
+
+    @property
+    def note(self) -> str:
+        """Constants with their source, as people read them beside numbers that depend on them."""
+        return (
+            f"S-N curve {self.name}: {in_unit(self.limit, 'MPa', 'Pa')} at {self.knee_cycles:g} cycles, slope "
+            f"{self.slope:g}, survival {self.survival_probability:g}, mean stress {self.mean_stress}; "
+            f"source: {self.source}"
+        )
 
     @property
     def limit(self) -> float:

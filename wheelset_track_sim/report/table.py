@@ -10,6 +10,7 @@ from rich.table import Table
 
 from ..errors import printable
 from ..samples.summary import Summary
+from ..verdict.verdicts import worst
 from .published import LoadCasePassage
 from .survey import Survey
 
@@ -70,6 +71,23 @@ def _figures(summary: Summary, wheel_load: float) -> dict[tuple[str, str], float
     return found
 
 
+def force_lines(run: Survey) -> dict[str, float]:
+    """Forces that figures mark, N, by name: at rest, the threshold of impacts, limits of the verdict."""
+    stated = run.limits.force if run.limits else ()
+    lines = {"static": run.wheel_load, "impact": run.threshold}
+    lines |= {f"{limit.level} {limit.above / 1e3:.4g} kN": limit.above for limit in stated}
+    return {name: force for name, force in lines.items() if not math.isnan(force)}
+
+
+def verdict_words(run: Survey) -> str:
+    """The worst level of all verdicts with the name of the set; empty without limits."""
+    if run.limits is None:
+        return ""
+    found = run.verdicts
+    level = worst(found).word if found else "nothing to compare"
+    return printable(f"{level}, by {run.limits.name}")
+
+
 def title(run: Survey) -> str:
     """Bag, scenario at the start, and how often that was changed during the run."""
     changes = len(run.in_force) - 1
@@ -128,4 +146,10 @@ def summary_table(run: Survey) -> Table:
             table.add_section()
         unit = row.unit
         table.add_row(row.label, *row.cells()[: len(headings(run))])
+    if run.limits is not None:
+        table.add_section()
+        table.add_row("Verdict", verdict_words(run))
+        lines = [printable(each.text) for each in run.verdicts]
+        table.caption = "\n".join([*([str(table.caption)] if table.caption else []), *lines])
+        table.caption_justify = "left"
     return table

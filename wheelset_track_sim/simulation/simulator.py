@@ -307,7 +307,9 @@ class Simulator:
         """Accept a change of the condition ``newest``; raises OvertakenError if another one came first."""
         current = newest.scenario
         for field in dataclasses.fields(Scenario):
-            if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
+            if field.name not in (*CHANGEABLE, "sensors") and getattr(scenario, field.name) != getattr(
+                current, field.name
+            ):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
         current.check_change(scenario)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards

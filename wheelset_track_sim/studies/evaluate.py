@@ -10,6 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import WheelsetTrackError
+from ..fatigue.axle import AxleFatigue, TurningWheel
+from ..fatigue.curve import Curve
+from ..fatigue.static_stress import static_stress
 from ..irregularities import rail_heights, tread_heights
 from ..irregularities.surface import RAILS
 from ..runtime import sources
@@ -22,7 +25,7 @@ from ..scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
 from ..version import __version__
-from .outputs import value_of
+from .outputs import nodes_of_fatigue, value_of, values_of_fatigue
 
 INSTANTS = ("reference", "max_force")
 """Instants of a contact pressure: angle 0 of the treads meets the rail; the wheel's contact force is largest."""
@@ -41,6 +44,8 @@ class Job:
     outputs: tuple[str, ...]
     histories: tuple[str, ...] = ()
     pressures: tuple[str, ...] = ()
+    curve: Curve | None = None
+    """S-N curve of outputs of fatigue."""
 
     @property
     def first_step(self) -> int:
@@ -63,7 +68,7 @@ class Job:
         The program includes kinds of irregularities of other packages. The scenario's name changes nothing.
         """
         scenario = dataclasses.replace(self.scenario, name="any")
-        kept = [self.before, self.after, self.outputs, self.histories, self.pressures]
+        kept = [self.before, self.after, self.outputs, self.histories, self.pressures, self.curve]
         kinds = sorted({type(each).__module__ for each in scenario.all_irregularities})
         return digest([program(), *map(sources.program, kinds), scenario, kept])
 
@@ -103,19 +108,34 @@ def evaluate(job: Job, made_for: str) -> Result:
     histories: dict[str, list[Real]] = {name: [] for name in job.histories}
     arrays: dict[str, Real] = {}
     end = job.first_step + job.samples
+    fatigue = _fatigue(job, simulator)
     while simulator.next_step < end:  # a change of speed ends a block
         block = simulator.advance(end - simulator.next_step)
         summaries.append(summarise(block))
+        if fatigue:
+            fatigue.push(block)
         for name, parts in histories.items():
             parts.append(history(name, simulator, block))
         for name in job.pressures:
             arrays |= pressure(name, simulator, block, arrays.get(f"{name}.at"))
     summary = combine(summaries)
     values = {name: value_of(summary, name) for name in job.outputs}
+    values |= (
+        {name: value for name, value in values_of_fatigue(fatigue.nodes).items() if name in values} if fatigue else {}
+    )
     if histories:
         arrays |= {name: np.concatenate(parts) for name, parts in histories.items()}
         arrays["position"] = np.arange(job.first_step, end, dtype=np.float64) * job.scenario.step_length
     return Result(values, arrays)
+
+
+def _fatigue(job: Job, simulator: Simulator) -> AxleFatigue | None:
+    """What counts the cycles of a job, if an output is one of fatigue."""
+    nodes = nodes_of_fatigue(job.outputs)
+    if job.curve is None or not nodes:
+        return None
+    static = static_stress(job.scenario, simulator.models.reduced, nodes)
+    return AxleFatigue(static, TurningWheel.of(job.scenario), job.curve)
 
 
 def models(scenario: Scenario) -> Models:

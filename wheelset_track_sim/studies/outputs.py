@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 
 from ..errors import InputError
+from ..fatigue.axle import NodeFatigue
 from ..inputs.schema import unknown
 from ..samples.summary import Summary
 from ..scenario import WHEELS
@@ -20,13 +22,26 @@ OF_NODES = {
     "max_principal": ("max. principal stress", "max", "Pa"),
     "min_principal": ("max. principal stress", "min", "Pa"),
 }
-"""Quantity, what of it over time, SI unit."""
+OF_FATIGUE = {
+    "rotating_amplitude": ("rotating amplitude", "", "Pa"),
+    "damage_ratio": ("* damage ratio to undamaged", "", ""),
+}
+"""Quantity, what of it over time, SI unit. A star marks what depends on an S-N curve."""
+STARRED = "damage_ratio"
+FORCES = tuple(f"wheels.{wheel}.max_force" for wheel in WHEELS)
+"""Largest contact forces, which limits are for."""
 
 
 def known_outputs(nodes: Sequence[str]) -> list[str]:
     """Names of all outputs of a run with these stress nodes."""
     wheels = [f"wheels.{wheel}.{name}" for wheel in WHEELS for name in OF_WHEELS]
-    return [*wheels, *(f"nodes.{node}.{name}" for node in nodes for name in OF_NODES)]
+    return [*wheels, *(f"nodes.{node}.{name}" for node in nodes for name in OF_NODES | OF_FATIGUE)]
+
+
+def nodes_of_fatigue(names: Iterable[str]) -> tuple[str, ...]:
+    """Stress nodes of which outputs of fatigue are among the names, each once."""
+    parts = [name.split(".") for name in names]
+    return tuple(dict.fromkeys(of for *_, of, quantity in parts if quantity in OF_FATIGUE))
 
 
 def check_output(name: str, nodes: Sequence[str], where: str) -> None:
@@ -37,11 +52,20 @@ def check_output(name: str, nodes: Sequence[str], where: str) -> None:
 
 
 def value_of(summary: Summary, name: str) -> float:
-    """Output of a run's summary, SI."""
+    """Output of a run's summary, SI; NaN for one that it does not have."""
     kind, of, quantity = name.split(".")
     if kind == "wheels":
         return float(getattr(summary.wheels[WHEELS.index(of)], quantity))
-    return next((float(getattr(node, quantity)) for node in summary.nodes if node.name == of), float("nan"))
+    return next((float(getattr(node, quantity, math.nan)) for node in summary.nodes if node.name == of), math.nan)
+
+
+def values_of_fatigue(nodes: Iterable[NodeFatigue]) -> dict[str, float]:
+    """All outputs of fatigue of stress nodes, SI."""
+    return {
+        f"nodes.{node.name}.{quantity}": value
+        for node in nodes
+        for quantity, value in zip(OF_FATIGUE, (node.amplitude, node.ratios[0]), strict=True)
+    }
 
 
 def unit_of(name: str) -> str:
@@ -70,4 +94,4 @@ def label_of(name: str) -> str:
 
 
 def _of(name: str) -> tuple[str, str, str]:
-    return (OF_WHEELS | OF_NODES)[name.rpartition(".")[2]]
+    return (OF_WHEELS | OF_NODES | OF_FATIGUE)[name.rpartition(".")[2]]

@@ -6,21 +6,27 @@ import copy
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 from ..errors import InputError
+from ..fatigue.curve import Curve, load_curve
 from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
-from .axes import Axis, Point, read_axis
+from .axes import Axis, Point, combinations, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
-from .outputs import check_output
+from .maps import Map
+from .outputs import check_output, nodes_of_fatigue
 from .pressure_maps import PressureMaps
+from .sampling import Sampling
+from .sensitivities import Sensitivities
 
 FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_receptances": wheelset_receptances.draw,
@@ -91,14 +97,20 @@ class Study:
     """Dotted scenario keys that differ from the base scenario in all runs."""
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
+    sampling: Sampling | None = None
+    """How values are drawn along axes that are distributions; ``Sampling()`` if None."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
     """What is kept of every step."""
+    curve: str | Path = ""
+    """Name or file of the S-N curve of outputs of fatigue."""
     pressures: tuple[str, ...] = ()
     """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
-    drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
+    limits: str = DEFAULT_LIMITS
+    """Limits for the verdict on each run: name of a shipped set, path of a file, or ``none``."""
+    drawings: tuple[Lines | Histories | PressureMaps | Map | Sensitivities, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
@@ -114,9 +126,12 @@ class Study:
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
+        load_limits(self.limits)
         if not (self.has_runs or self.figures):
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
-        axes = self.axes  # read now, so that a study that exists can be used
+        if nodes_of_fatigue(self.outputs) and not self.curve:
+            raise InputError("curve is missing: name the S-N curve of the outputs of fatigue, such as assumed_body")
+        axes, _ = self.axes, self.sn_curve  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
             if key == following:
@@ -132,7 +147,19 @@ class Study:
     @property
     def axes(self) -> tuple[Axis, ...]:
         """What is varied."""
-        return tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+        axes = tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+        drawn = sum(axis.distribution is not None for axis in axes)
+        if self.sampling is not None:
+            _check_sampling(self.sampling, drawn, len(axes))
+        if not drawn:
+            return axes
+        shares = iter((self.sampling or Sampling()).draws(drawn).T)
+        return tuple(axis.drawn(next(shares)) if axis.distribution else axis for axis in axes)
+
+    @cached_property
+    def sn_curve(self) -> Curve | None:
+        """S-N curve of outputs of fatigue; raises InputError for one that cannot be used."""
+        return load_curve(self.curve) if nodes_of_fatigue(self.outputs) else None
 
     def base(self, changes: Sequence[str] = ()) -> dict[str, Any]:
         """Base scenario as a plain mapping, with the study's changes and then ``key=value`` ones; raises InputError."""
@@ -160,7 +187,7 @@ class Study:
         if not self.has_runs:
             return ()
         base, axes = self.base(changes), self.axes
-        return tuple(self._run(base, axes, points) for points in itertools.product(*(axis.points for axis in axes)))
+        return tuple(self._run(base, axes, points) for points in combinations(axes))
 
     def _run(self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...]) -> StudyRun:
         data = copy.deepcopy(base)
@@ -175,7 +202,7 @@ class Study:
             self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures)
+        kept = (self.outputs, self.histories, self.pressures, self.sn_curve)
         return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
     def _check(self, scenario: Scenario) -> None:
@@ -187,6 +214,16 @@ class Study:
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
                 f"{scenario.reference_position:g} m, or raise reference_position"
             )
+
+
+def _check_sampling(sampling: Sampling, drawn: int, axes: int) -> None:
+    """Raise InputError for a design that does not fit the axes of a study, of which some are ``drawn``."""
+    if not drawn:
+        raise InputError("sampling draws from distributions, and vary has none: give one, or leave sampling out")
+    if sampling.method == "saltelli" and not 1 < drawn == axes:
+        raise InputError(
+            "sampling.method = saltelli compares distributions: give two axes or more, each with a distribution"
+        )
 
 
 def load_study(name_or_path: str | Path) -> Study:
@@ -210,7 +247,8 @@ def load_study(name_or_path: str | Path) -> Study:
     try:
         data = shipped.load_yaml("studies", name_or_path)
         if isinstance(data, dict) and Path(name_or_path).is_file():
-            find_beside(data, "scenario", Path(name_or_path).parent)
+            for key in ("scenario", "curve"):
+                find_beside(data, key, Path(name_or_path).parent)
         return read(Study, data, "")
     except InputError as refusal:
         if str(name_or_path) in str(refusal):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import InputError
-from .options import takes_changes, takes_json, takes_shipped, takes_threshold
+from .options import takes_changes, takes_json, takes_limits, takes_shipped, takes_threshold
 from .parser import Amount, Commands, command
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def add(commands: Commands) -> None:
         help="record only impacts, each from this time before it on",
     )
     takes_threshold(run, "the bag records an impact")
+    takes_limits(run)
     takes_json(run)
     run.set_defaults(command=_run)
 
@@ -82,6 +83,7 @@ def _run(options: argparse.Namespace) -> int:
         json=options.json,
         settings=settings,
         impacts=impacts,
+        limits=options.limits,
         warnings=options.warnings,
     )
 
