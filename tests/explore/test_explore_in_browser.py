@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from support.paths import ROOT
+from wheelset_track_sim.bags import read_bag
+from wheelset_track_sim.scenario import load_scenario
 
 pytest.importorskip("bokeh", reason="the page needs the extra explore")
 pytest.importorskip("tornado", reason="the page needs the extra explore")
@@ -166,6 +168,45 @@ def test_keys_change_the_damage_and_the_address_reproduces_it(opened):
     again = opened(query, **WIDE)
     assert again.evaluate(DATA, "force-curves") == forces
     assert again.locator("#flat").input_value() == "45.5"
+
+
+def test_pins_stay_and_the_link_has_them(opened):
+    page = opened(**WIDE)
+    page.locator("#pin").click()
+    page.locator("html[data-pinned='1']").wait_for()
+    answered(page, lambda: page.locator("#depth").fill("0.5"))
+    page.locator("#pin").click()
+    page.locator("html[data-pinned='2']").wait_for()
+    titles = page.locator("#pins li").all_inner_texts()
+    assert titles[0].splitlines()[:2] == ["breakout 60 mm 48 mm 2 mm, 100 km/h, 20 t", "291 kN; A1, 81 MPa"]
+    first, second = (page.evaluate(DATA, f"force-pin{pin}") for pin in (0, 1))
+    assert max(first["value"]) > max(second["value"]) + 30
+    again = opened(page.evaluate("location.search"), **NARROW)
+    again.locator("html[data-pinned='2']").wait_for()
+    assert again.evaluate(DATA, "force-pin1") == second
+    page.get_by_role("button", name="remove breakout 60 mm 48 mm 2 mm").press("Enter")
+    page.locator("html[data-pinned='1']").wait_for()
+    settle(page)
+    assert page.evaluate(DATA, "force-pin1")["value"] == []
+    assert page.evaluate("new URLSearchParams(location.search).getAll('pin').length") == 1
+    answered(page, lambda: page.get_by_role("button", name="show breakout 60 mm 48 mm 0.5 mm").click())
+    assert page.locator("#depth").input_value() == "0.5"
+
+
+def test_files_of_the_page(opened, tmp_path):
+    page = opened("?depth=1.5", **WIDE)
+    peak = page.evaluate("Math.max(...shown.arrays.force0)")
+    begins = {".yaml": b"name:", ".mcap": b"\x89MCAP", ".csv": b"", ".svg": b"<?xml", ".html": b"<!DOCTYPE html>"}
+    for suffix, begin in begins.items():
+        with page.expect_download(timeout=120_000) as download:
+            page.locator(f"[data-suffix='{suffix}']").click()
+        path = tmp_path / download.value.suggested_filename
+        download.value.save_as(path)
+        assert path.name == f"damage_wheel_1_explored{suffix}"
+        assert path.read_bytes().startswith(begin)
+    assert read_bag(tmp_path / "damage_wheel_1_explored.mcap").forces[:, 0].max() / 1e3 == pytest.approx(peak, rel=1e-6)
+    assert load_scenario(tmp_path / "damage_wheel_1_explored.yaml").irregularities[0].h == 0.0015
+    assert "wheel_1 [N]" in (tmp_path / "damage_wheel_1_explored.csv").read_text().splitlines()[0]
 
 
 def test_every_control_says_what_it_is(opened):

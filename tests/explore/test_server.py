@@ -5,6 +5,8 @@ import gc
 import json
 import threading
 import weakref
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -20,6 +22,8 @@ from tornado.netutil import bind_sockets
 from tornado.websocket import websocket_connect
 
 from wheelset_track_sim.explore.server import Site, serve
+from wheelset_track_sim.explore.view import View
+from wheelset_track_sim.scenario import load_scenario
 
 pytestmark = pytest.mark.slow
 
@@ -27,9 +31,9 @@ pytestmark = pytest.mark.slow
 def served(visit):
     """Run a visitor, ``async visit(site)``, of a site on the toy models."""
 
-    async def run():
+    async def run(folder):
         site = Site(toy_scenario())
-        site.explorer, site.sockets = toy_explorer(), []
+        site.explorer, site.sockets, site.folder = toy_explorer(), [], folder
         sockets = bind_sockets(0, "127.0.0.1")
         site.port = sockets[0].getsockname()[1]
         server = HTTPServer(site.application())
@@ -44,7 +48,8 @@ def served(visit):
             await server.close_all_connections()
             site.worker.close()
 
-    return asyncio.run(run())
+    with TemporaryDirectory() as folder:
+        return asyncio.run(run(folder))
 
 
 async def closed(site):
@@ -146,6 +151,43 @@ def test_a_view_is_answered_with_its_contact_and_moments_follow():
         assert "speed = 5000 km/h is out of range" in (await received(socket, "refused", 2))["words"]
         await socket.write_message(view(3, kind="worn_flat", flat="60", worn="30"))
         assert "worn_length" in (await received(socket, "refused", 3))["words"]
+
+    served(visit)
+
+
+def test_a_pinned_view_is_answered_beside_the_view():
+    async def visit(site):
+        socket = await opened(site)
+        await socket.write_message(view(1, kind="flat", flat="30"))
+        asked = json.dumps({"number": 1, "pin": 2, "view": {"kind": "flat", "flat": "20", "speed": "90"}})
+        await socket.write_message(asked)
+        pin = await received(socket, "pin")
+        assert (pin["pin"], pin["title"]) == (2, "fresh flat 20 mm, 90 km/h, 20 t")
+        assert pin["words"].startswith(f"{pin['arrays']['force'].max():.0f} kN; ")
+        assert pin["arrays"]["place"].shape == pin["arrays"]["stress"].shape
+        await socket.write_message(json.dumps({"number": 5, "row": 3}))  # of no answer that is shown
+        await socket.write_message(json.dumps({"number": 1, "row": 3}))  # the view stays what it was
+        assert (await received(socket, "moment", 1))["number"] == 1
+
+    served(visit)
+
+
+def test_files_are_those_of_the_view_and_what_cannot_be_is_one_line():
+    async def visit(site):
+        found = await get(site, f"{site.token}/download?suffix=.yaml&kind=flat&flat=30&speed=90&place=100")
+        assert found.code == 200
+        (tmp := Path(site.folder) / "explored.yaml").write_bytes(found.body)
+        scenario = load_scenario(tmp)
+        expected = site.base.scenario_of(View.read({"kind": "flat", "flat": "30", "speed": "90", "place": "100"}))
+        assert (scenario.irregularities, scenario.speed) == (expected.irregularities, expected.speed)
+        for query, words in (
+            ("suffix=.exe", b"'.exe' is not a known form of file"),
+            ("suffix=.csv&speed=1", b"speed = 1 km/h is out of range"),
+            ("suffix=.csv&kind=worn_flat&flat=60&worn=30", b"worn_length = 0.03 m is less"),
+        ):
+            refused = await get(site, f"{site.token}/download?{query}")
+            assert (refused.code, words in refused.body) == (400, True)
+        assert (await get(site, "wrong/download?suffix=.yaml")).code == 404
 
     served(visit)
 

@@ -89,6 +89,13 @@ def test_the_damage_of_a_scenario_becomes_that_of_the_controls(item):
     assert dataclasses.replace(found, angle=item.angle) == item
 
 
+def test_a_file_of_the_view_meets_the_rail_for_the_first_time_as_the_answer_does(base):
+    assert base.scenario_of(base.begin).name == "damage_wheel_1"
+    flat = base.scenario_of(read("kind=flat", base.begin))
+    assert (flat.name, flat.settle_on) == ("damage_wheel_1, explored", "smooth")
+    assert base.scenario_of(read("rough=1", base.begin)).settle_on == "surfaces"
+
+
 @pytest.mark.parametrize("track", ["ballasted_60e1", "slab_60e1"])
 @pytest.mark.parametrize("place", [0.0, 0.3, 0.6])
 def test_damage_meets_the_rail_at_its_place_on_the_bay(track, place):

@@ -4,6 +4,7 @@ const settings = JSON.parse(document.getElementById("settings").textContent)
 const form = document.getElementById("controls")
 const by = (id) => document.getElementById(id)
 const PATIENCE = 250 // ms without an answer after which the page says that it is computing
+const FIRST = "computing: functions are compiled the first time, which takes some minutes"
 const RETRY = [250, 500, 1000, 2000, 4000] // ms between attempts to connect
 
 // ---- plots ----
@@ -59,6 +60,7 @@ let answered = 0 // number of the answer that is shown
 let askedAt = 0
 let late = 0 // timer
 let lastAnswer = NaN // ms from the latest change to its curves
+let shownQuery = location.search.slice(1) // of the answer to the latest request
 let shown = null // the answer
 let patienceWords = ""
 
@@ -67,7 +69,7 @@ function connect() {
   address.protocol = "ws:"
   socket = new WebSocket(address)
   socket.binaryType = "arraybuffer"
-  socket.onopen = () => { attempt = 0; ask() }
+  socket.onopen = () => { attempt = 0; ask(); listPins(); askPins() }
   socket.onmessage = ({ data }) => receive(unpacked(data))
   socket.onclose = () => {
     clearTimeout(late)
@@ -89,6 +91,7 @@ function say(words, refused = false) {
 function receive(message) {
   const { kind, number } = message
   if (kind === "moment") return drawMoment(message)
+  if (kind === "pin") return drawPin(message)
   if (kind === "progress") { if (number === asked) { patienceWords = message.words; say(`computing: ${message.words}`) } return }
   if (kind === "refused") {
     if (number < asked) return
@@ -116,7 +119,10 @@ function ask() {
   patienceWords = ""
   send({ number: asked, view: controls() })
   clearTimeout(late)
-  late = setTimeout(() => { if (!patienceWords) say("computing") }, PATIENCE)
+  late = setTimeout(() => {
+    if (!patienceWords) say("computing")
+    late = setTimeout(() => { if (!patienceWords) say(FIRST) }, 20 * PATIENCE)
+  }, PATIENCE)
 }
 form.addEventListener("input", ({ target }) => {
   const name = target.id.replace(/-slider$/, "")
@@ -127,12 +133,98 @@ form.addEventListener("input", ({ target }) => {
 })
 form.addEventListener("submit", (event) => event.preventDefault())
 
+// ---- pins and files ----
+let pins = settings.pins.map((query) => ({ query })) // with title and words when answered
+function link() { return `?${shownQuery}${pins.map(({ query }) => `&pin=${encodeURIComponent(query)}`).join("")}` }
+function pinCurves(pin, place, force, stress) {
+  for (const [kind, value] of [["force", force], ["stress", stress]]) model(`${kind}-pin${pin}`).data = { place, value }
+}
+function askPins() { // with the stress that the page shows
+  settings.pinColours.forEach((_, pin) => {
+    if (pin >= pins.length) return pinCurves(pin, new Float32Array(0), new Float32Array(0), new Float32Array(0))
+    const view = { ...Object.fromEntries(new URLSearchParams(pins[pin].query)), stress: by("stress").value }
+    send({ number: asked, pin, view })
+  })
+}
+function listPins() {
+  by("pins").replaceChildren(...pins.map(({ title, words }, pin) => {
+    const item = document.createElement("li"), text = document.createElement("div")
+    const mark = document.createElement("i")
+    mark.style.setProperty("--colour", settings.pinColours[pin])
+    for (const [line, quiet] of [[title ?? "computing", ""], [words ?? "", "quiet"]]) {
+      const span = document.createElement("span")
+      span.textContent = line
+      span.className = quiet
+      text.append(span)
+    }
+    item.append(mark, text, pinButton("show", title, () => set(pins[pin].query)), pinButton("remove", title, () => {
+      pins.splice(pin, 1)
+      changed()
+      by("pin").focus()
+    }))
+    return item
+  }))
+  by("pin").disabled = pins.length >= settings.pinColours.length
+}
+function pinButton(name, title, act) {
+  const button = document.createElement("button")
+  button.type = "button"
+  button.textContent = name
+  button.setAttribute("aria-label", `${name} ${title ?? "pinned curve"}`)
+  button.addEventListener("click", act)
+  return button
+}
+function changed() {
+  listPins()
+  askPins()
+  history.replaceState(null, "", link())
+}
+function set(query) { // the controls to what a link says
+  for (const [name, value] of new URLSearchParams(query)) {
+    if (name === "stress") continue
+    by(name).value = value
+    if (by(`${name}-slider`)) by(`${name}-slider`).value = value
+  }
+  fit()
+  ask()
+}
+function drawPin({ pin, query, title, words, arrays }) {
+  if (!pins[pin] || new URLSearchParams(pins[pin].query).get("kind") !== new URLSearchParams(query).get("kind")) return
+  Object.assign(pins[pin], { title, words })
+  pinCurves(pin, arrays.place, arrays.force, arrays.stress)
+  listPins()
+  document.documentElement.dataset.pinned = String(pins.filter((each) => each.title).length)
+}
+by("pin").addEventListener("click", () => {
+  if (!shown || pins.length >= settings.pinColours.length) return
+  pins.push({ query: shownQuery })
+  changed()
+})
+by("stress").addEventListener("input", askPins)
+for (const button of form.querySelectorAll("[data-suffix]")) {
+  button.addEventListener("click", async () => {
+    const { suffix } = button.dataset
+    say(`computing: ${button.textContent}`)
+    try {
+      const response = await fetch(`download?suffix=${suffix}&${shownQuery}`)
+      if (!response.ok) return say(await response.text(), true)
+      const file = document.createElement("a")
+      file.href = URL.createObjectURL(await response.blob())
+      file.download = `${document.querySelector("h1").textContent.replace(/[^\w-]+/g, "_")}_explored${suffix}`
+      file.click()
+      setTimeout(() => URL.revokeObjectURL(file.href), 60000)
+      say("")
+    } catch { say("the file did not come: is the program still there?", true) }
+  })
+}
+
 // ---- answers ----
 function drawAnswer({ number, query, nodes, bay, row, readouts, seconds, arrays }) {
   answered = number
   if (number === asked) {
     clearTimeout(late)
-    history.replaceState(null, "", `?${query}`)
+    shownQuery = query
+    history.replaceState(null, "", link())
     say("")
   }
   const { place } = arrays

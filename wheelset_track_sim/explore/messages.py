@@ -13,6 +13,7 @@ from ..runtime.arrays import Real
 from ..scenario import WHEELS
 from .answers import Answer, Moment
 from .plots import NODES
+from .view import KINDS, SLIDERS, View
 
 ALIGNED = 4
 """Bytes: arrays begin at multiples of it, as the browser wants them."""
@@ -40,7 +41,8 @@ def answer_message(number: int, answer: Answer, pin: int | None = None) -> bytes
         arrays |= {"force": forces[:, answer.wheel], "stress": stresses[:, worst]}
         words = f"{answer.nodes[worst]}, {answer.amplitude[worst] / 1e6:.0f} MPa"
         peak = forces[:, answer.wheel].max()
-        return packed({"kind": "pin", "number": number, "pin": pin, "words": f"{peak:.0f} kN; {words}"}, arrays)
+        header = {"kind": "pin", "number": number, "pin": pin, "words": f"{peak:.0f} kN; {words}"}
+        return packed(header | {"query": answer.view.query(), "title": title(answer.view)}, arrays)
     nodes = answer.nodes[:NODES]
     arrays |= {f"force{wheel}": forces[:, wheel] for wheel in range(2)}
     arrays |= {f"stress{node}": stresses[:, node] for node in range(len(nodes))}
@@ -55,6 +57,14 @@ def answer_message(number: int, answer: Answer, pin: int | None = None) -> bytes
         "seconds": answer.seconds,
     }
     return packed(header, arrays)
+
+
+def title(view: View) -> str:
+    """A view in a few words: damage and its sizes, speed, load."""
+    shown = view.shown()
+    names = [name for name, of in SLIDERS.items() if of.kinds and name != "place" and view.applies(name)]
+    words = [KINDS[view.kind], *(f"{shown[name]} {SLIDERS[name].unit}".rstrip() for name in names)]
+    return f"{' '.join(words)}, {shown['speed']} km/h, {shown['load']} t"
 
 
 def readouts(answer: Answer) -> dict[str, str]:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from html import escape
 from importlib.resources import files
+from typing import Any
 
 from bokeh.embed import json_item
 
 from ..report.files import STYLE
 from ..report.plots import COLOURS
 from ..version import __version__
-from .plots import EXAGGERATED, PIN_COLOURS, PINS, all_plots
+from .downloads import FORMS
+from .plots import EXAGGERATED, PIN_COLOURS, all_plots
 from .view import KINDS, MEANINGS, SLIDERS, STRESSES, Base, View
 
 FORCE_SOURCES = (
@@ -42,9 +44,9 @@ def style() -> str:
     return STYLE + asset("explore.css")
 
 
-def page(base: Base, view: View, refused: str = "") -> str:
-    """HTML of the page for a view; ``refused`` says in one line why the address could not be used."""
-    settings = json.dumps({"colours": COLOURS, "pins": PINS, "pinColours": PIN_COLOURS, "exaggerated": EXAGGERATED})
+def page(base: Base, view: View, pins: Sequence[str] = (), refused: str = "") -> str:
+    """HTML of the page for a view and pinned ones, as queries; ``refused`` says why the address could not be used."""
+    settings = _json({"colours": COLOURS, "pinColours": PIN_COLOURS, "exaggerated": EXAGGERATED, "pins": [*pins]})
     name = escape(base.scenario.name)
     notes = "".join(f"<p class='quiet'>{escape(note)}.</p>" for note in base.notes)
     return f"""<!DOCTYPE html>
@@ -113,7 +115,11 @@ turn before has left is not in it: <code>fatigue</code> counts whole runs.</p>
 @cache
 def _plots() -> str:
     plots = {name: json_item(plot, name) for name, plot in all_plots().items()}
-    return json.dumps(plots, separators=(",", ":")).replace("<", "\\u003c")
+    return _json(plots)
+
+
+def _json(data: Any) -> str:
+    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _readouts() -> Iterator[str]:
@@ -138,6 +144,14 @@ def _controls(base: Base, view: View) -> Iterator[str]:
     yield _slider("level", shown)
     yield "</fieldset><fieldset><legend>Show</legend>"
     yield _select("stress", "axle stress", dict(STRESSES), shown)
+    yield "</fieldset><fieldset><legend>Keep</legend>"
+    yield """<div class="control choice"><span id="pin-label">curves</span>
+<button type="button" id="pin" aria-describedby="pin-tip">Pin for comparison</button>
+<span role="tooltip" id="pin-tip">Keeps the force of the damaged wheel and the stress of the worst node as dashed
+curves. The address keeps them, too.</span></div><ol id="pins"></ol>"""
+    files = "".join(f'<button type="button" data-suffix="{suffix}">{text}</button>' for suffix, text in FORMS.items())
+    yield f"""<div class="control choice files"><span>files</span><div>{files}</div>
+<span role="tooltip">The scenario as a file, or one turn of its wheel as run and report make it.</span></div>"""
     yield "</fieldset>"
 
 

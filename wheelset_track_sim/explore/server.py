@@ -22,8 +22,10 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from ..errors import InputError, WheelsetTrackError
 from ..scenario import Scenario
 from .answers import Answer, Explorer
+from .downloads import content
 from .messages import answer_message, moment_message, packed
 from .page import asset, page, style
+from .plots import PINS
 from .view import Base, View
 from .worker import SupersededError, Worker
 
@@ -54,6 +56,7 @@ class Site:
         self.token = secrets.token_urlsafe(16)
         self.port = 0
         self.pages: set[Page] = set()
+        self.downloading = asyncio.Lock()
 
     @property
     def hosts(self) -> tuple[str, ...]:
@@ -77,6 +80,7 @@ class Site:
             [
                 (r"/([\w-]+)/", Opening, shared),
                 (r"/([\w-]+)/static/([\w.]+)", Static, shared | {"content": content}),
+                (r"/([\w-]+)/download", Download, shared),
                 (r"/([\w-]+)/socket", Page, shared),
             ],
             default_handler_class=Missing,
@@ -117,9 +121,12 @@ class Guarded(RequestHandler):
         missing = "There is nothing here: open the whole address that the program printed."
         self.finish(f"{failed if status_code >= 500 else missing}\n")
 
-    def query(self) -> dict[str, str]:
-        """Texts of the address by name, the last of each."""
-        return {name: self.get_query_argument(name) for name in self.request.query_arguments}
+    def view(self, *further: str) -> View:
+        """View of the address, in which names ``further`` are something else; raises InputError."""
+        names = [name for name in self.request.query_arguments if name not in further]
+        view = View.read({name: self.get_query_argument(name) for name in names}, self.site.base.begin)
+        self.site.base.scenario_of(view)
+        return view
 
 
 class Missing(Guarded):
@@ -135,13 +142,12 @@ class Opening(Guarded):
 
     def get(self, *_: str) -> None:
         """The page for the view of the address; for that of the scenario, with the reason, if it cannot be used."""
-        view, refused = self.site.base.begin, ""
+        pins, refused = self.get_query_arguments("pin")[:PINS], ""
         try:
-            view = View.read(self.query(), view)
-            self.site.base.scenario_of(view)
+            view = self.view("pin")
         except InputError as refusal:
             view, refused = self.site.base.begin, f"{refusal}; the page begins with the scenario instead"
-        self.finish(page(self.site.base, view, refused))
+        self.finish(page(self.site.base, view, pins, refused))
 
 
 class Static(Guarded):
@@ -159,6 +165,24 @@ class Static(Guarded):
         kind, text = self.content[name]
         self.set_header("Content-Type", f"{kind}; charset=utf-8")
         self.finish(text)
+
+
+class Download(Guarded):
+    """Files of a view, one after the other."""
+
+    async def get(self, _: str) -> None:
+        """A file in the form that the address names by its suffix; one line of text if there is none."""
+        try:
+            suffix, scenario = self.get_query_argument("suffix"), self.site.base.scenario_of(self.view("suffix"))
+            async with self.site.downloading:
+                found = await asyncio.to_thread(content, scenario, suffix)
+        except WheelsetTrackError as refusal:
+            self.set_status(400)
+            self.set_header("Content-Type", "text/plain; charset=utf-8")
+            self.finish(str(refusal))
+            return
+        self.set_header("Content-Type", "application/octet-stream")
+        self.finish(found)
 
 
 class Page(WebSocketHandler, Guarded):
@@ -192,16 +216,21 @@ class Page(WebSocketHandler, Guarded):
                 self.site.worker.submit(self, "moment", lambda: self.show(number, row))
                 return
             given = {str(name): str(value) for name, value in dict(asked["view"]).items()}
+            pin = int(asked["pin"]) if "pin" in asked else None
         except (ValueError, TypeError, KeyError, RecursionError):
             self.close(1003, "not a request of the page")
             return
         try:
             view = View.read(given, self.site.base.begin)
         except InputError as refusal:
-            self.site.worker.drop(self, "view")
+            if pin is None:
+                self.site.worker.drop(self, "view")
             self.send(packed({"kind": "refused", "number": number, "words": str(refusal)}))
             return
-        self.site.worker.submit(self, "view", lambda: self.respond(number, view))
+        if pin is None:
+            self.site.worker.submit(self, "view", lambda: self.respond(number, view))
+        elif 0 <= pin < PINS:
+            self.site.worker.submit(self, f"pin {pin}", lambda: self.pinned(number, view, pin), rank=1)
 
     def respond(self, number: int, view: View) -> None:
         """Answer a view; in the worker's thread."""
@@ -210,6 +239,11 @@ class Page(WebSocketHandler, Guarded):
             self.answer, self.number = answer, number
             self.post(answer_message(number, answer))
         self.show(number, None)
+
+    def pinned(self, number: int, view: View, pin: int) -> None:
+        """Send the curves of a view that is pinned; in the thread."""
+        with self.refusing(number):
+            self.post(answer_message(number, self.site.explorer.answer(view), pin))
 
     def show(self, number: int, row: int | None) -> None:
         """Send the contact at a sample of the latest answer, at that of its largest force if None; in the thread."""

@@ -267,17 +267,24 @@ class Base:
         """The damage of a view that passes the rail on ``scenario`` once; a polygon is none. Raises InputError."""
         if view.kind in ("none", "polygon"):
             return ()
-        bay = scenario.track.spacing
-        ahead = view.place - (scenario.reference_position + 1e-9) % bay
-        angle = ahead / (scenario.steps_per_revolution * scenario.step_length) * 2 * math.pi
+        dx, turn = scenario.step_length, scenario.steps_per_revolution
+        ahead = round(view.place / dx) - scenario.tread_origin % round(scenario.track.spacing / dx)
+        angle = ahead / turn * 2 * math.pi
         if view.kind == "breakout":
             return (Breakout(view.on, a=view.length / 2, b=view.width / 2, h=view.depth, angle=angle),)
         return (Flat(view.on, view.flat, view.worn if view.kind == "worn_flat" else None, angle),)
 
     def scenario_of(self, view: View) -> Scenario:
-        """The whole scenario of a view, as a file has it; raises InputError."""
+        """The whole scenario of a view, as a file has it; raises InputError.
+
+        Where nothing but the damage is irregular, the damage meets the rail for the first time after step 0, as in the
+        answer: one turn of a ``run`` has the same peaks. Rough treads need a run that settles on them.
+        """
         around = self.surroundings(view)
-        return dataclasses.replace(around, irregularities=(*around.irregularities, *self.damage(view, around)))
+        whole = (*around.irregularities, *self.damage(view, around))
+        settle_on: Literal["surfaces", "smooth"] = "surfaces" if around.irregularities else "smooth"
+        name = self.scenario.name if view == self.begin else f"{self.scenario.name}, explored"
+        return dataclasses.replace(around, name=name, irregularities=whole, settle_on=settle_on)
 
 
 def _controls(item: Irregularity, scenario: Scenario) -> dict[str, Any] | None:
