@@ -254,6 +254,18 @@ def test_another_wheelset_says_that_it_computes_and_shows_its_nodes(opened):
     assert page.locator("#nodes").text_content().split() == ["A1", "B1"]
 
 
+def test_the_verdict_fills_in_the_background(opened):
+    page = opened("?kind=worn_flat", **WIDE)
+    page.locator(f"html[data-scatter='{page.evaluate('answered')}:12']").wait_for(timeout=60_000)
+    assert re.match(r"Over 12 places on the bay: peak 1\d\d to \d+ kN", page.locator("#scatter").text_content())
+    page.locator("html[data-fatigue]").wait_for(timeout=120_000)
+    assert re.search(r"[5-8]\.\d+ times that without damage, at A1", page.locator("#fatigue").text_content())
+    assert page.locator("#verdicts li.alarm").text_content().startswith("wheel 1: length of tread damage 120 mm")
+    answered(page, lambda: page.locator("#limits").select_option("fra"))
+    assert page.locator("#verdicts li.alarm").count() == 0
+    assert "Federal" in page.locator("#sources").text_content()
+
+
 def test_what_cannot_be_is_one_line_and_the_page_goes_on(opened):
     page = opened(**WIDE)
     page.locator("#speed").fill("999")

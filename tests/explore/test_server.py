@@ -21,6 +21,8 @@ from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.websocket import websocket_connect
 
+from wheelset_track_sim.explore import background, server
+from wheelset_track_sim.explore.background import PLACES
 from wheelset_track_sim.explore.server import Site, serve
 from wheelset_track_sim.explore.view import View
 from wheelset_track_sim.scenario import load_scenario
@@ -36,16 +38,16 @@ def served(visit):
         site.explorer, site.sockets, site.folder = toy_explorer(), [], folder
         sockets = bind_sockets(0, "127.0.0.1")
         site.port = sockets[0].getsockname()[1]
-        server = HTTPServer(site.application())
-        server.add_sockets(sockets)
+        listening = HTTPServer(site.application())
+        listening.add_sockets(sockets)
         try:
             return await visit(site)
         finally:
             for socket in site.sockets:
                 socket.close()
             await closed(site)
-            server.stop()
-            await server.close_all_connections()
+            listening.stop()
+            await listening.close_all_connections()
             site.worker.close()
 
     with TemporaryDirectory() as folder:
@@ -168,6 +170,24 @@ def test_a_pinned_view_is_answered_beside_the_view():
         await socket.write_message(json.dumps({"number": 5, "row": 3}))  # of no answer that is shown
         await socket.write_message(json.dumps({"number": 1, "row": 3}))  # the view stays what it was
         assert (await received(socket, "moment", 1))["number"] == 1
+
+    served(visit)
+
+
+def test_the_background_works_for_the_latest_view_and_makes_room(monkeypatch):
+    monkeypatch.setattr(background, "DISTANCE", 30.0)
+    monkeypatch.setattr(server, "IDLE", 0.0)
+
+    async def visit(site):
+        socket = await opened(site)
+        for number in range(1, 6):
+            await socket.write_message(view(number, kind="flat", flat=str(20 + number)))
+            await received(socket, "answer", number)
+        for kind in ("scatter", "fatigue"):
+            while (found := await received(socket, kind, 5)).get("done", PLACES) < PLACES:
+                pass
+        assert "times that without damage" in found["words"]
+        assert not site.worker._waiting
 
     served(visit)
 

@@ -91,6 +91,13 @@ function say(words, refused = false) {
 function receive(message) {
   const { kind, number } = message
   if (kind === "moment") return drawMoment(message)
+  if (kind === "scatter" || kind === "fatigue") {
+    if (number !== asked) return
+    by(kind).textContent = message.words
+    if (message.source) by("fatigue-source").textContent = message.source
+    document.documentElement.dataset[kind] = `${number}:${message.done ?? ""}`
+    return
+  }
   if (kind === "pin") return drawPin(message)
   if (kind === "progress") { if (number === asked) { patienceWords = message.words; say(`computing: ${message.words}`) } return }
   if (kind === "refused") {
@@ -201,7 +208,7 @@ by("pin").addEventListener("click", () => {
   changed()
 })
 by("stress").addEventListener("input", askPins)
-for (const button of form.querySelectorAll("[data-suffix]")) {
+for (const button of document.querySelectorAll("[data-suffix]")) {
   button.addEventListener("click", async () => {
     const { suffix } = button.dataset
     say(`computing: ${button.textContent}`)
@@ -219,7 +226,7 @@ for (const button of form.querySelectorAll("[data-suffix]")) {
 }
 
 // ---- answers ----
-function drawAnswer({ number, query, nodes, bay, row, readouts, seconds, arrays }) {
+function drawAnswer({ number, query, nodes, bay, row, readouts, marks, verdicts, sources, seconds, arrays }) {
   answered = number
   if (number === asked) {
     clearTimeout(late)
@@ -237,6 +244,19 @@ function drawAnswer({ number, query, nodes, bay, row, readouts, seconds, arrays 
   model("stress-curves").data = stress
   ranges(force, stress)
   spans("sleeper", (span) => { span.location = span.tags[1] * bay })
+  for (const part of views.forces.model.center) {
+    if (part.tags[0] !== "limit") continue
+    const [force, label] = marks[part.tags[1]] ?? [null, ""]
+    part.setv(part.type === "Span" ? { location: force } : { y: force ?? 0, text: label, visible: force !== null })
+  }
+  by("verdicts").replaceChildren(...verdicts.map(({ words, level }) => {
+    const item = document.createElement("li")
+    item.textContent = words
+    item.className = level
+    return item
+  }))
+  by("scatter").textContent = by("fatigue").textContent = by("fatigue-source").textContent = ""
+  by("sources").textContent = sources.length ? `Limits: ${sources.join("; ")}.` : ""
   for (const [name, text] of Object.entries(readouts)) by(name).textContent = text
   by("nodes").innerHTML = nodes.map((name, node) => `<i style="--colour:${settings.colours[node]}"></i>${name}`).join(" ")
   by("stress-words").textContent = by("stress").value === "turning"

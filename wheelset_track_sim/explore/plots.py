@@ -18,8 +18,8 @@ NODES = 6
 """Stress nodes that are drawn at most."""
 EXAGGERATED = 5
 """Heights of the bodies in contact are drawn at this many times the scale of lengths."""
-LIMITS = {200: "200 kN", 350: "350 kN"}
-"""Contact forces that are marked, kN; the page names their sources."""
+LIMITS = 6
+"""Contact forces that are marked at most: that of an impact, and the limits that the view names."""
 SLEEPERS = 12
 """Sleepers that are marked at most; the first is two bays behind the origin."""
 RAIL = "#8c8c94"
@@ -32,10 +32,10 @@ def all_plots() -> dict[str, figure]:
 
 def _forces() -> figure:
     plot = _over_place("contact force (kN)", 225, Range1d(0.0, 400.0, name="force-range"))
-    for force, label in LIMITS.items():
-        plot.add_layout(Span(location=force, dimension="width", **MARK | {"line_dash": [8, 4]}))
-        text: Any = {"text_font_size": "11px", "text_baseline": "bottom"}
-        plot.add_layout(Label(x=6, x_units="screen", y=force, text=label, **text))
+    for number in range(LIMITS):
+        plot.add_layout(Span(dimension="width", tags=["limit", number], **MARK | {"line_dash": [8, 4]}))
+        text: Any = {"text_font_size": "11px", "text_baseline": "bottom", "x": 6, "x_units": "screen"}
+        plot.add_layout(Label(y=0, text="", visible=False, tags=["limit", number], **text))
     return _with_curves(plot, "force", 2)
 
 

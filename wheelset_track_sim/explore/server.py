@@ -6,22 +6,24 @@ import asyncio
 import json
 import secrets
 import signal
+import socket
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeAlias
 from urllib.parse import urlencode
 
 from bokeh.resources import Resources
 from tornado.httpserver import HTTPServer
-from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from ..errors import InputError, WheelsetTrackError
+from ..runtime.progress import Progress
 from ..scenario import Scenario
 from .answers import Answer, Explorer
+from .background import fatigue, scatter
 from .downloads import content
 from .messages import answer_message, moment_message, packed
 from .page import asset, page, style
@@ -41,6 +43,14 @@ PING = 20.0
 """Time between signs of life of a page, s: one that is gone without a word is forgotten."""
 PROGRESS = 0.2
 """Time between messages of progress, s."""
+
+
+BACKGROUND = 2
+"""Rank of what nobody waits for."""
+IDLE = 0.4
+"""Time without a change after which work in the background begins, s."""
+
+Slices: TypeAlias = Iterator[Mapping[str, Any] | None]
 
 
 class Site:
@@ -239,6 +249,46 @@ class Page(WebSocketHandler, Guarded):
             self.answer, self.number = answer, number
             self.post(answer_message(number, answer))
         self.show(number, None)
+        with suppress(RuntimeError):  # the loop has ended
+            self.loop.call_soon_threadsafe(self.loop.call_later, IDLE, self.look_further, number)
+
+    def look_further(self, number: int) -> None:
+        """Begin the work in the background for an answer, if it is still the latest."""
+        answer = self.answer
+        if answer is None or number != self.number or self.ws_connection is None:
+            return
+        explorer = self.site.explorer
+        self.go_on(number, "scatter", lambda: scatter(explorer, answer))
+        self.go_on(number, "fatigue", lambda: fatigue(explorer, answer, self.unless_busy(number)))
+
+    def go_on(self, number: int, kind: str, make: Callable[[], Slices], slices: Slices | None = None) -> None:
+        """Have slices of work done while no page waits for an answer."""
+        self.site.worker.submit(self, kind, lambda: self.work(number, kind, make, slices), BACKGROUND)
+
+    def work(self, number: int, kind: str, make: Callable[[], Slices], slices: Slices | None) -> None:
+        """Do slices, and send what they find; in the thread."""
+        slices = slices or make()
+        with self.refusing(number):
+            try:
+                for found in slices:
+                    if number != self.number or self.ws_connection is None:
+                        return
+                    if found is not None:
+                        self.post(packed({**found, "number": number}))
+                    if self.site.worker.busy(BACKGROUND):
+                        self.go_on(number, kind, make, slices)
+                        return
+            except SupersededError:
+                self.go_on(number, kind, make)
+
+    def unless_busy(self, number: int) -> Progress:
+        """Progress of work in the background, which breaks it off when a page waits for an answer."""
+
+        def report(_: str, __: float) -> None:
+            if number == self.number and self.site.worker.busy(BACKGROUND):
+                raise SupersededError
+
+        return report
 
     def pinned(self, number: int, view: View, pin: int) -> None:
         """Send the curves of a view that is pinned; in the thread."""
@@ -330,12 +380,13 @@ async def serve(
     site = Site(scenario)
     try:
         try:
-            sockets = bind_sockets(port, ADDRESS)
+            listening = socket.create_server((ADDRESS, port))
         except OSError as reason:
             raise InputError(f"port {port} cannot be used ({reason.strerror}): give another one, or none") from None
-        site.port = sockets[0].getsockname()[1]
+        listening.setblocking(False)
+        site.port = listening.getsockname()[1]
         server = HTTPServer(site.application())
-        server.add_sockets(sockets)
+        server.add_socket(listening)
         ended = asyncio.Event()
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
