@@ -15,6 +15,7 @@ NEXT = {
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
+    "criteria": "fatigue press_fit --criterion {file}",
     "cracks": "crack damage_wheel_1 --depth '2 mm' --growth {file}",
 }
 """Commands that use a file of a kind."""

@@ -21,6 +21,7 @@ def add(commands: Commands) -> None:
             "damage_wheel_1",
             "flat_rounded --set 'speed=80 km/h' --distance '1.63 km'",
             "run.mcap --curve my_curve.yaml --json",
+            "press_fit --criterion assumed_findley",
         ],
     )
     run = fatigue.add_argument(
@@ -48,6 +49,19 @@ def add(commands: Commands) -> None:
     fatigue.add_argument(
         "--gate", action=Amount, unit="Pa", metavar="STRESS", help="merge ranges up to this (default: '0.05 MPa')"
     )
+    criterion = fatigue.add_argument(
+        "--criterion",
+        metavar="CRITERION",
+        help="also the usage of the fatigue limit by Findley's criterion: a file, or a name that list criteria prints",
+    )
+    completed(criterion, lambda **_: shipped.names("criteria"))
+    fatigue.add_argument(
+        "--service",
+        action=Amount,
+        unit="m",
+        metavar="DISTANCE",
+        help="also the probability that an axle fails within it, such as '1e6 km'",
+    )
     takes_json(fatigue)
     fatigue.set_defaults(command=_fatigue)
 
@@ -62,6 +76,8 @@ def _fatigue(options: argparse.Namespace) -> int:
         options.distance,
         angles=options.angles,
         gate=options.gate,
+        criterion_name=options.criterion,
+        service=options.service,
         json=options.json,
         warnings=options.warnings,
     )
