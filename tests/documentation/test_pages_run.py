@@ -40,6 +40,8 @@ LEFT_OUT = {
         f"{WTS} study",
         f"{WTS} fatigue flat.mcap",
         f"{WTS} fatigue damage_wheel_1 --curve",
+        f"{WTS} fatigue damage_wheel_1 --service",
+        f"{WTS} fatigue press_fit",
     ),
     "howto/crack": (f"{WTS} list", f"{WTS} crack damage_wheel_1 --depth '2 mm' --growth my_steel.yaml"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
