@@ -36,6 +36,7 @@ LEFT_OUT = {
         f"{WTS} compare shallow",
     ),
     "howto/fatigue": (f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
+    "howto/wayside": (f"{WTS} study blind_zone", f"{WTS} node", f"{WTS} echo"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }

@@ -14,7 +14,7 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
-from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
+from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
@@ -27,9 +27,10 @@ FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_modes": wheelset_modes.draw,
     "track_receptances": track_receptances.draw,
     "moving_green_functions": moving_green_functions.draw,
+    "blind_zone": blind_zone.draw,
 }
-"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
-returns what it wrote."""
+"""Figures that are drawn from the models, without runs of the study. A function writes them, and their tables, into a
+folder and returns what it wrote."""
 
 
 @dataclass(frozen=True)
