@@ -44,6 +44,7 @@ LEFT_OUT = {
         f"{WTS} fatigue press_fit",
     ),
     "howto/crack": (f"{WTS} list", f"{WTS} crack damage_wheel_1 --depth '2 mm' --growth my_steel.yaml"),
+    "howto/wayside": (f"{WTS} study blind_zone", f"{WTS} node", f"{WTS} echo"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
     "howto/maps": (f"{WTS} map", f"{WTS} study", "import xarray"),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),

@@ -177,7 +177,6 @@ def wayside_message(passage: WaysidePassage, start_ns: int) -> Message:
         "first_sample": 0,
         "detector": reading.detector.name,
         "detector_position": reading.position,
-        "band": reading.detector.band,
         "channels": [each.name for each in channels],
         "types": [each.type for each in channels],
         "units": [each.unit for each in channels],

@@ -17,7 +17,7 @@ from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unk
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
 from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
-from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
+from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, combinations, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
@@ -33,9 +33,10 @@ FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_modes": wheelset_modes.draw,
     "track_receptances": track_receptances.draw,
     "moving_green_functions": moving_green_functions.draw,
+    "blind_zone": blind_zone.draw,
 }
-"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
-returns what it wrote."""
+"""Figures that are drawn from the models, without runs of the study. A function writes them, and their tables, into a
+folder and returns what it wrote."""
 
 
 @dataclass(frozen=True)
