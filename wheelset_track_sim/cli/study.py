@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,7 +41,15 @@ class Task:
     out: Path
 
 
-def study(name: str, changes: Sequence[str], out: Path | None, resources: Resources, *, parquet: bool = False) -> int:
+def study(
+    name: str,
+    changes: Sequence[str],
+    out: Path | None,
+    resources: Resources,
+    places: int | None = None,
+    *,
+    parquet: bool = False,
+) -> int:
     """Run a study, or all shipped ones, and print what came out; returns the exit status.
 
     Raises InputError before anything runs for whatever cannot be used in any of them.
@@ -48,7 +57,7 @@ def study(name: str, changes: Sequence[str], out: Path | None, resources: Resour
     if parquet:
         require_libraries("--parquet", ("pandas", "pyarrow"))
     names = shipped.names("studies") if name == ALL else [name]
-    tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
+    tasks = [task(each, changes, out / each if out and name == ALL else out, places) for each in names]
     console = terminal()
     failed = sum(_carry_out(each, resources, console, parquet=parquet) for each in tasks)
     if failed:
@@ -58,9 +67,11 @@ def study(name: str, changes: Sequence[str], out: Path | None, resources: Resour
     return 0
 
 
-def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
-    """A study with all its scenarios; raises InputError for what cannot be used."""
+def task(name: str, changes: Sequence[str], out: Path | None, places: int | None = None) -> Task:
+    """A study with all its scenarios, at another number of places if given; raises InputError."""
     what = load_study(name)
+    if places is not None:
+        what = dataclasses.replace(what, places=places)
     runs = what.runs(changes)
     with confirmed_numbers():
         scenario = scenario_from(what.base(changes))

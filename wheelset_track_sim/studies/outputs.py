@@ -23,6 +23,10 @@ OF_NODES = {
 """Quantity, what of it over time, SI unit."""
 
 
+SMALLEST, LARGEST = " smallest", " largest"
+"""Behind the name of an output: over places of the bay."""
+
+
 def known_outputs(nodes: Sequence[str]) -> list[str]:
     """Names of all outputs of a run with these stress nodes."""
     wheels = [f"wheels.{wheel}.{name}" for wheel in WHEELS for name in OF_WHEELS]

@@ -12,7 +12,7 @@ from ..report.published import published_case
 from ..scenario import Scenario
 from .axes import Axis, Point
 from .evaluate import Result
-from .outputs import value_of
+from .outputs import LARGEST, SMALLEST, value_of
 from .study import Study, StudyRun
 
 SLEEPER_SPACING = 0.6
@@ -62,12 +62,19 @@ class Results:
             {f"{3.6 * each.speed:.4g} km/h" for each in scenarios},
         )
         facts = ", ".join(fact for same in said if len(same) == 1 for fact in same)
+        if self.study.places > 1:
+            facts += f"; {self.study.places} places of the bay: medians, and bands from smallest to largest"
         return f"{facts}; {window.before:g} m before to {window.after:g} m after angle 0 of the treads"
 
     def value(self, index: int, output: str) -> float:
         """Output of a run, SI; NaN if the run failed."""
         found = self.found.get(index)
         return found.values[output] if found else math.nan
+
+    def ends(self, index: int, output: str) -> tuple[float, float]:
+        """Smallest and largest over the places of the bay, SI; NaN if the run failed, or has one place."""
+        values = self.found[index].values if index in self.found else {}
+        return values.get(output + SMALLEST, math.nan), values.get(output + LARGEST, math.nan)
 
     def published(self, index: int, output: str) -> float:
         """What the paper prints for the case of a run, SI; NaN where it prints nothing."""

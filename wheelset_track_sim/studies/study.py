@@ -14,6 +14,7 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
+from ..simulation.places import MOST
 from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
@@ -92,6 +93,8 @@ class Study:
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
+    places: int = quantity("", 1, MOST, "the number of places of the bay at which each run is repeated", default=1)
+    """Outputs are medians over them then, with the smallest and the largest beside."""
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -104,6 +107,7 @@ class Study:
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
+        check(self)
         for name in ("set", "vary"):
             keyed(getattr(self, name), name)
         if not isinstance(self.scenario, (str, Path, Mapping)):
@@ -175,7 +179,7 @@ class Study:
             self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures)
+        kept = (self.outputs, self.histories, self.pressures, self.places)
         return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
     def _check(self, scenario: Scenario) -> None:

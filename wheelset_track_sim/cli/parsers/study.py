@@ -35,6 +35,12 @@ def add(commands: Commands) -> None:
         help="run on a Dask cluster; the address of its scheduler, such as tcp://host:8786",
     )
     study.add_argument(
+        "--places",
+        type=int,
+        metavar="N",
+        help="repeat each run with the damage meeting the rail at N places of the bay (default: what the study says)",
+    )
+    study.add_argument(
         "--parquet", action="store_true", help="also write the tables as Parquet (needs the extra analysis)"
     )
     study.set_defaults(command=_study)
@@ -46,4 +52,4 @@ def _study(options: argparse.Namespace) -> int:
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
     resources = Resources(options.workers, options.scheduler)
-    return study(options.study, changes, options.out, resources, parquet=options.parquet)
+    return study(options.study, changes, options.out, resources, options.places, parquet=options.parquet)
