@@ -10,11 +10,11 @@ r of samples and priors, and their Jacobian J, the posterior about an optimum is
 Columns of J for sizes and places are differences of simulations; those of lag, gain, speed and track need none.
 
 A model is not what was measured. The track is uncertain by unknowns of its own, whose derivatives are simulated. What
-is left of the model's errors has the standard deviation ``shape_error``, a share of how far a sample is from the
-median, and the correlation exp(-|t| / 1 ms): such errors last as the vibrations do to which they belong, and are not
-averaged out as the white noise of the sensor is. So the covariance of the samples is::
+is left of the model's errors has the standard deviation ``shape``, a share of how far a sample is from the median, and
+the correlation exp(-|t| / 1 ms). Such errors last as long as the vibrations to which they belong, and do not average
+out as the white noise of the sensor does. So the covariance of the samples is::
 
-    C = sigma^2 I + D K D,    D = shape_error diag(|y - median|),    K_ij = exp(-|t_i - t_j| / 1 ms)
+    C = sigma^2 I + D K D,    D = shape diag(|y - median|),    K_ij = exp(-|t_i - t_j| / 1 ms)
 
 Residuals are whitened by its Cholesky factor.
 """
@@ -72,7 +72,7 @@ class Mode:
 class Problem:
     """Fit of one kind to some observations; None as kind is a wheel without damage."""
 
-    def __init__(self, kind: DamageKind | None, forwards: Sequence[Forward], parts: int, shape_error: float) -> None:
+    def __init__(self, kind: DamageKind | None, forwards: Sequence[Forward], parts: int) -> None:
         """``parts`` is the number of uncertain properties of the track."""
         self.kind, self.forwards, self.parts = kind, tuple(forwards), parts
         self.sizes = len(kind.unknowns) if kind else 0
@@ -85,9 +85,9 @@ class Problem:
             *(f"{name} {number}" for number in range(len(forwards)) for name in self.per),
             *(f"track {number}" for number in range(parts)),
         )
-        self.scale = [np.hypot(each.observation.sigma, shape_error * _away(each.values)) for each in self.forwards]
+        self.scale = [np.hypot(each.observation.sigma, _shape(each)) for each in self.forwards]
         """Standard deviation of the samples of each observation."""
-        self._roots = [_root(each, shape_error) for each in self.forwards]
+        self._roots = [_root(each) for each in self.forwards]
         self.samples = sum(len(each.values) for each in self.forwards)
         self.of_track = [np.zeros((parts, len(each.values))) for each in self.forwards]
         """What a standard deviation of each property of the track adds to an observation, (parts, n): linear part."""
@@ -321,13 +321,17 @@ class Problem:
         return best
 
 
-def _root(forward: Forward, shape_error: float) -> Real:
+def _root(forward: Forward) -> Real:
     """Cholesky factor of the covariance of an observation's samples, (n, n)."""
-    error = shape_error * _away(forward.values)
+    error = _shape(forward)
     alike = np.exp(-np.abs(forward.time[:, np.newaxis] - forward.time) / SHAPE_TIME)
     covariance = error[:, np.newaxis] * alike * error + forward.observation.sigma**2 * np.eye(len(error))
     root: Real = np.linalg.cholesky(covariance)
     return root
+
+
+def _shape(forward: Forward) -> Real:
+    return forward.observation.shape * _away(forward.values)
 
 
 def _away(values: Real) -> Real:

@@ -23,9 +23,6 @@ from .sampling import sample, simulated_columns
 
 TRACK_ERROR = 0.10
 """Standard deviation of stiffness and damping of pads and ballast, as a share."""
-SHAPE_ERROR = 0.02
-"""Standard deviation of other errors of the model, as a share of how far a sample is from the median: variants of the
-model at lag zero differ by some 3 % at the peak (``docs/validation.md``)."""
 UNLIKELY = 25.0
 """Difference of the logarithms of evidence from which on a kind is not looked at more closely."""
 
@@ -37,7 +34,6 @@ def identify(
     *,
     wheel: Wheel = "wheel_1",
     track_error: float = TRACK_ERROR,
-    shape_error: float = SHAPE_ERROR,
     seed: int = 0,
     progress: Progress = unreported,
 ) -> Identification:
@@ -55,8 +51,6 @@ def identify(
         The wheel of a peak.
     track_error
         Standard deviation of stiffness and damping of pads and ballast, as a share; 0 if the track is known.
-    shape_error
-        Standard deviation of other errors of the model, as a share of how far a sample is from the median.
     seed
         Of the draws: the same data and seed give the same result.
     progress
@@ -86,7 +80,7 @@ def identify(
     looked = [name for name in names if name in KINDS or name == NONE]
     for number, name in enumerate(looked):
         progress(f"search {name}", number / len(looked))
-        problem = Problem(KINDS.get(name), forwards, len(tracks.parts), shape_error)
+        problem = Problem(KINDS.get(name), forwards, len(tracks.parts))
         searched[name] = problem, [problem.search(start, STEPS // 2) for start in problem.starts(1)]
     best = max(modes[0].log_evidence for _, modes in searched.values())
     for problem, modes in searched.values():

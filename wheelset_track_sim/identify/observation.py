@@ -23,6 +23,12 @@ BEFORE, AFTER = 0.5, 1.2
 """Track before and after the peak of a single hit that is used, m."""
 TURNS = 3
 """Turns that are used of a signal of the wheelset."""
+LEAD = 0.2
+"""Track before the first hit that is used of it, m."""
+SHAPE: dict[Signal, float] = {"force": 0.02, "box": 0.05, "strain": 0.05}
+"""Standard deviation of errors of the model that the track does not explain, as a share of how far a sample is from the
+median. At the peak of a force, variants of the model at lag zero differ by some 3 % (``docs/validation.md``). What the
+wheelset does after a hit rings on, and phases drift apart."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,8 @@ class Observation:
     axle_load: float = quantity("N", 2e4, 4e5, "the axle load", default=196200.0, usual=(2e4, 4e5))
     noise: float | None = quantity("", 1e-9, 1e6, "the standard deviation of a sample", default=None)
     """Of white noise, in the unit of the values; None for ``NOISE``."""
+    shape_error: float | None = quantity("", 0.0, 0.5, "the error of the model beside that of the track", default=None)
+    """As a share of how far a sample is from the median; None for ``SHAPE``."""
     gain_error: float = quantity("", 0.0, 0.5, "the standard deviation of the gain", default=0.03)
     speed_error: float = quantity("", 0.0, 0.1, "the standard deviation of the speed as a share of it", default=0.005)
     place_y: float = quantity("m", -2.0, 2.0, "the axial place of a strain gauge", default=0.0)
@@ -91,6 +99,11 @@ class Observation:
         return NOISE[self.signal] if self.noise is None else self.noise
 
     @property
+    def shape(self) -> float:
+        """Standard deviation of other errors of the model, as a share of how far a sample is from the median."""
+        return SHAPE[self.signal] if self.shape_error is None else self.shape_error
+
+    @property
     def period(self) -> float:
         """Time from sample to sample, s."""
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
@@ -113,7 +126,9 @@ class Observation:
         reach = (TURNS * circumference, TURNS * circumference) if self.on_wheelset else (BEFORE, AFTER)
         peak = self.peak
         first, end = (round(length / (self.speed * self.period)) for length in reach)
-        if self.on_wheelset:  # a whole number of turns in all, the peak among them
-            end = min(len(self.values) - peak, end)
-            first = max(0, round(TURNS * circumference / (self.speed * self.period)) - end)
+        if self.on_wheelset:  # whole turns in all, the peak among them
+            lead, turn = (length / (self.speed * self.period) for length in (LEAD, circumference))
+            behind = min(max(1, int((len(self.values) - peak + lead) // turn)), TURNS)
+            before = min(TURNS - behind, int(max(0.0, peak - lead) // turn))
+            first, end = round(before * turn + lead), round(behind * turn - lead)
         return max(0, peak - first), peak, min(len(self.values), peak + end)

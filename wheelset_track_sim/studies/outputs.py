@@ -32,6 +32,10 @@ FORCES = tuple(f"wheels.{wheel}.max_force" for wheel in WHEELS)
 """Largest contact forces, which limits are for."""
 
 
+SMALLEST, LARGEST = " smallest", " largest"
+"""Behind the name of an output: over places of the bay."""
+
+
 def known_outputs(nodes: Sequence[str]) -> list[str]:
     """Names of all outputs of a run with these stress nodes."""
     wheels = [f"wheels.{wheel}.{name}" for wheel in WHEELS for name in OF_WHEELS]

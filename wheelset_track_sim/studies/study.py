@@ -16,6 +16,7 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
+from ..simulation.places import MOST
 from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
 from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, combinations, read_axis
@@ -101,6 +102,8 @@ class Study:
     sampling: Sampling | None = None
     """How values are drawn along axes that are distributions; ``Sampling()`` if None."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
+    places: int = quantity("", 1, MOST, "the number of places of the bay at which each run is repeated", default=1)
+    """Outputs are medians over them then, with the smallest and the largest beside."""
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -117,6 +120,7 @@ class Study:
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
+        check(self)
         for name in ("set", "vary"):
             keyed(getattr(self, name), name)
         if not isinstance(self.scenario, (str, Path, Mapping)):
@@ -132,6 +136,10 @@ class Study:
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
         if nodes_of_fatigue(self.outputs) and not self.curve:
             raise InputError("curve is missing: name the S-N curve of the outputs of fatigue, such as assumed_body")
+        if nodes_of_fatigue(self.outputs) and self.places > 1:
+            raise InputError(
+                f"places = {self.places} is for forces and stresses, and outputs of fatigue count one run: give 1"
+            )
         axes, _ = self.axes, self.sn_curve  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
@@ -203,7 +211,7 @@ class Study:
             self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures, self.sn_curve)
+        kept = (self.outputs, self.histories, self.pressures, self.sn_curve, self.places)
         return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
     def _check(self, scenario: Scenario) -> None:

@@ -26,6 +26,7 @@ def add(commands: Commands) -> None:
             "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
             "mine.yaml --duration '2 min' --out run.mcap --threshold '250 kN'",
             "mine.yaml --out run.csv",
+            "flat_fresh --places 12",
         ],
     )
     takes_shipped(run, "scenario")
@@ -66,6 +67,13 @@ def add(commands: Commands) -> None:
     )
     takes_threshold(run, "the bag records an impact")
     takes_limits(run)
+    run.add_argument(
+        "--places",
+        type=int,
+        default=1,
+        metavar="N",
+        help="also simulate N places of the bay at which the damage meets the rail, and print the extremes over them",
+    )
     takes_json(run)
     run.set_defaults(command=_run)
 
@@ -84,6 +92,7 @@ def _run(options: argparse.Namespace) -> int:
         settings=settings,
         impacts=impacts,
         limits=options.limits,
+        places=options.places,
         warnings=options.warnings,
     )
 
