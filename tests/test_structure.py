@@ -11,7 +11,8 @@ from wheelset_track_sim.runtime.sources import imports
 
 PACKAGE = "wheelset_track_sim"
 LAYERS = (
-    *("version", "errors", "runtime", "inputs", "samples", "wheelset", "sensors", "track", "irregularities", "contact"),
+    *("version", "errors", "runtime", "inputs", "samples", "wheelset", "sensors", "track", "wayside"),
+    *("irregularities", "contact"),
     *("scenario", "dynamics", "simulation", "fatigue", "bags", "live", "twin"),
     *("monitoring", "report", "studies", "dataset", "ros", "cli"),
 )

@@ -31,6 +31,7 @@ from .parsers import (
     spectrum,
     stress,
     study,
+    wayside,
 )
 from .parsers import (
     map as mapping,
@@ -53,7 +54,7 @@ COMMANDS = (
         nodes.add_replay,
     ),
     *(nodes.add_get, nodes.add_set, nodes.add_call, nodes.add_echo, resimulate.add, recover.add, info.add),
-    *(compare.add, stress.add, spectrum.add, fatigue.add, cache.add, demo.add),
+    *(compare.add, stress.add, spectrum.add, fatigue.add, wayside.add, cache.add, demo.add),
 )
 """What adds a command each, in the order of the help."""
 

@@ -105,7 +105,7 @@ def _recorded(
 ) -> tuple[AxleFatigue, str]:
     """Fatigue of a bag, and the name of its scenario; raises RecordingError for gaps and decimated samples."""
     bag = Bag(path)
-    scenarios = [_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
+    scenarios = [recorded_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
     if not scenarios:
         raise RecordingError(f"{path} holds no scenario, so its loads are unknown: record it with this package")
     check_loads([each.loads for each in scenarios])
@@ -135,7 +135,7 @@ def _warn_of_loads(loads: Sequence[float], first: float) -> None:
         )
 
 
-def _scenario(path: Path, text: str) -> Scenario:
+def recorded_scenario(path: Path, text: str) -> Scenario:
     """Scenario of a state; raises RecordingError."""
     try:
         with recorded_input():

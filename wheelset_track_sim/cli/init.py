@@ -15,6 +15,7 @@ NEXT = {
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
     "datasets": "dataset {file} --samples 64 --seed 1 --out damage.zarr",
+    "detectors": "wayside damage_wheel_1 --detector {file}",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
 }
 """Commands that use a file of a kind."""

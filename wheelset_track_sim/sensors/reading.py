@@ -55,6 +55,11 @@ class SensorChunk:
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
 
+    @property
+    def end(self) -> int:
+        """Number of the sample after the last one."""
+        return self.first_sample + len(self)
+
 
 class _Steps(NamedTuple):
     """Steps that are needed yet, one entry each."""
@@ -73,7 +78,7 @@ class _Steps(NamedTuple):
         return _Steps(*(each[first:] for each in self))
 
 
-class _Clock:
+class StepClock:
     """Times of steps that do not depend on how a run is cut: of the first step, and on at each step period."""
 
     def __init__(self) -> None:
@@ -101,7 +106,7 @@ class SensorReader:
         self.topic = f"{sensor.topic}/{TRUE}" if true else sensor.topic
         self._turn, self._origin = steps_per_revolution, tread_origin
         self._rate, self._range = (None, None) if true else (sensor.rate, sensor.range)
-        self._clock, self._steps, self._next = _Clock(), None, 0
+        self._clock, self._steps, self._next = StepClock(), None, 0
         if self._rate is not None:
             key = f"{sensor.seed} {sensor.topic}"
             self._noise = Noise(key, len(sensor.channels), sensor.noise, sensor.drift, self._rate)
