@@ -128,6 +128,21 @@ def test_damage_is_seen_at_the_box_of_its_wheel_and_noise_changes_with_its_seed(
     assert difference.std() == pytest.approx(np.sqrt(2) * 2.0, rel=0.1)
 
 
+@pytest.mark.slow
+def test_a_detector_reads_the_load_of_both_wheels_while_they_are_over_it():
+    changes = {"damage": [{"type": "none"}], "detector": "shear_single", "detector_noise": 0.0, "joint": {"share": 0.0}}
+    spec = read(DatasetSpec, SPEC | changes | {"wheel_roughness": None, "duration": 0.15}, "")
+    label = group(spec, 1, 0, 1)[0]
+    read_out = simulate(Passing(spec, (label,)), program())["wayside/shear_single"][0]
+    known = np.isfinite(read_out[0])
+    assert read_out.shape == (2, spec.detector_samples)
+    assert known.sum() > 0.8 * read_out.shape[1]
+    assert known[: known.sum()].all()
+    over = read_out[:, read_out[0] > 0.25 * label.axle_load]
+    assert over.mean(axis=1) == pytest.approx(label.axle_load / 2, rel=0.03)
+    assert np.abs(read_out[:, 0]) == pytest.approx(0.0, abs=0.05 * label.axle_load)
+
+
 def test_another_program_is_refused():
     spec = read(DatasetSpec, SPEC, "")
     with pytest.raises(Exception, match="this worker runs another version of the program"):
