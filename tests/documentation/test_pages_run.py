@@ -38,6 +38,8 @@ LEFT_OUT = {
     "howto/fatigue": (f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
     "howto/maps": (f"{WTS} map", f"{WTS} study", "import xarray"),
+    "howto/dataset": (f"{WTS} dataset", "import xarray", ".venv/bin/python"),
+    "howto/fleet_by_passage": (".venv/bin/python", "import wheelset_track_sim"),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }
 """Pages with the commands that are not run here: they take long, or need a node or a cluster. Other tests run these."""
