@@ -44,10 +44,13 @@ if TYPE_CHECKING:
     from .studies import Study, load_study, run_study
     from .track.track import load_track
     from .twin import Resimulation, resimulate
+    from .wayside.detector import Detector, load_detector
+    from .wayside.history import WaysideReading, wayside_reading
     from .wheelset.kinds import load_wheelset
     from .wheelset.vehicle import load_vehicle
 
 _PLACES = {
+    "Detector": "wayside.detector",
     "Fleet": "simulation.fleet",
     "InputError": "errors",
     "InputWarning": "errors",
@@ -58,8 +61,10 @@ _PLACES = {
     "Scenario": "scenario",
     "Simulator": "simulation.simulator",
     "Study": "studies",
+    "WaysideReading": "wayside.history",
     "WheelsetTrackError": "errors",
     "green_function": "dynamics.responses",
+    "load_detector": "wayside.detector",
     "load_scenario": "scenario",
     "load_study": "studies",
     "load_track": "track.track",
@@ -71,9 +76,11 @@ _PLACES = {
     "record": "live.run_messages",
     "resimulate": "twin",
     "run_study": "studies",
+    "wayside_reading": "wayside.history",
 }
 
 __all__ = [
+    "Detector",
     "Fleet",
     "InputError",
     "InputWarning",
@@ -84,9 +91,11 @@ __all__ = [
     "Scenario",
     "Simulator",
     "Study",
+    "WaysideReading",
     "WheelsetTrackError",
     "__version__",
     "green_function",
+    "load_detector",
     "load_scenario",
     "load_study",
     "load_track",
@@ -98,6 +107,7 @@ __all__ = [
     "record",
     "resimulate",
     "run_study",
+    "wayside_reading",
 ]
 
 

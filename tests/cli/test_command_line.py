@@ -54,6 +54,26 @@ def test_smooth_wheels_run_near_102_kn_and_the_statics(capsys: pytest.CaptureFix
         assert result["nodes"][node]["max_principal_Pa"] > 0.98 * static
 
 
+def test_run_is_judged_by_a_set_of_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "own.yaml"
+    stated = "level: warning, action: inspect, source: a drawing"
+    axle = f"{{above: 60 MPa, {stated}, zone: body, grade: EA1N, nodes: [A1]}}"
+    path.write_text(f"name: mine\nforce: [{{above: 1 MN, {stated}}}]\naxle: [{axle}]\n")
+    arguments = ["run", "undamaged", "--duration", "0.11", "--limits", str(path)]
+    assert main([*arguments, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["verdict"]
+    assert (found["limits"], found["level"]) == ("mine", "warning")
+    *_, of_axle = found["comparisons"]
+    assert of_axle["compared"] == "bending_amplitude"
+    assert of_axle["value_Pa"] == pytest.approx(65.3e6, rel=0.02)  # not the largest principal stress
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "verdict" in printed
+    assert "A1: bending amplitude" in printed
+    assert main(["run", "undamaged", "--duration", "0.01", "--limits", "none", "--json"]) == 0
+    assert "verdict" not in json.loads(capsys.readouterr().out)
+
+
 def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = tmp_path / "run.mcap"
     assert main(["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]) == 0
@@ -120,7 +140,7 @@ def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit):
         main(["--help"])
     commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
-    assert len(commands) == 20
+    assert len(commands) == 23
     for name, words in commands:
         with pytest.raises(SystemExit):
             main([name, "--help"])

@@ -103,6 +103,7 @@ def test_chunks_and_a_resumed_count_give_the_same_bits(series, cuts, gate):
         parts = resumed
         parts.push(stress[:, start:end])
         assert parts.spectrum.cycles.min() >= 0  # to look at it does not change it
+        assert parts.damage.tobytes() == parts.spectrum.damage.tobytes()
     assert equal(parts.spectrum, whole.spectrum)
 
 
@@ -147,6 +148,7 @@ def test_memory_is_bounded_and_no_range_is_lost(sizes):
     assert count.state.counts[0, DEPTH] <= CAPACITY
     spectrum = count.spectrum
     assert spectrum.forced[0] > 1000
+    assert count.damage.tobytes() == spectrum.damage.tobytes()
     exact = three_point(series)
     assert spectrum.cycles[0] == sum(halves for _, halves in exact) / 2
     assert spectrum.damage[0, 0] == pytest.approx(damage(exact), rel=2e-2)

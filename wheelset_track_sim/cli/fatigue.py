@@ -1,4 +1,4 @@
-"""``fatigue``: cycles and damage of the turning axle, of a scenario that is simulated or of a bag."""
+"""``fatigue``: cycles and damage of the turning axle, of scenarios that are simulated, of bags and of ledgers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rich.table import Table
 
@@ -28,7 +28,9 @@ from ..scenario import Scenario, load_scenario, scenario_from
 from ..simulation.simulator import Simulator
 from ..wheelset.kinds import reduce_wheelset
 from ..wheelset.reduced import ReducedWheelset
+from .booking import Book, Booking
 from .console import print_object, terminal
+from .fatigue_words import LABELS, PER, by_curve
 from .progress import shown
 
 DISTANCE = 500.0
@@ -39,10 +41,6 @@ LONGEST_SERVICE = 1e11
 """m"""
 CHUNK = 5556
 """Steps simulated at once."""
-LABELS = {"elementary": "elementary", "haibach": "Haibach", "original": "original", "curve": "second slope"}
-"""Rules of Miner in tables."""
-PER = 1e6
-"""Distance for which damage is printed, m."""
 
 
 def fatigue(
@@ -57,13 +55,14 @@ def fatigue(
     service: float | None,
     json: bool,
     warnings: Sequence[str] = (),
+    mark: float = 0.0,
 ) -> int:
     """Count the cycles of a run and print its damage at each stress node; returns the exit status."""
     curve = load_curve(curve_name)
     criterion = load_findley(criterion_name) if criterion_name else None
     if service is not None and not 0 < service <= LONGEST_SERVICE:
         raise InputError(f"--service {service:g} m is out of range: give more than 0 m, up to {LONGEST_SERVICE:g} m")
-    found, name = counted(run, changes, curve, distance, angles=angles, gate=gate)
+    found, name = counted(run, changes, curve, distance, angles=angles, gate=gate, mark=mark)
     nodes, spectrum = found.nodes, found.spectrum
     further = []
     if curve.amplitude_scatter is not None or service is not None:
@@ -135,7 +134,15 @@ def _usage(run: str, changes: Sequence[str], criterion: Findley, nodes: Sequence
 
 
 def counted(
-    run: str, changes: Sequence[str], curve: Curve, distance: float | None, *, angles: int, gate: float | None
+    run: str,
+    changes: Sequence[str],
+    curve: Curve,
+    distance: float | None,
+    *,
+    angles: int,
+    gate: float | None,
+    mark: float = 0.0,
+    booking: Booking | None = None,
 ) -> tuple[AxleFatigue, str]:
     """Count the cycles of a scenario that is simulated, or of a bag; returns them with the scenario's name.
 
@@ -147,10 +154,11 @@ def counted(
     if bag and changes:
         raise InputError("--set changes a scenario, and a bag is a run already: leave it out, or give a scenario")
     with shown() as progress:
+        how = How(curve, angles, gate, mark, booking, progress)
         found, name = (
-            _recorded(Path(run), curve, distance, angles, gate, progress)
+            _recorded(Path(run), distance, how)
             if bag
-            else _simulated(load_scenario(run, changes), curve, distance or DISTANCE, angles, gate, progress)
+            else simulated(load_scenario(run, changes), distance or DISTANCE, how)
         )
     counted_distance = found.steps * found.wheel.step_length
     if counted_distance < found.wheel.circumference:
@@ -167,7 +175,7 @@ def first_scenario(run: str, changes: Sequence[str]) -> Scenario:
     states = Bag(Path(run)).states
     if not states:
         raise RecordingError(f"{run} holds no scenario, so its loads are unknown: record it with this package")
-    return _scenario(Path(run), states[0].scenario)
+    return recorded_scenario(Path(run), states[0].scenario)
 
 
 def is_bag(run: str) -> bool:
@@ -176,43 +184,64 @@ def is_bag(run: str) -> bool:
     return run not in shipped.names("scenarios") and (path.suffix == ".mcap" or path.is_dir())
 
 
-def _simulated(
-    scenario: Scenario, curve: Curve, distance: float, angles: int, gate: float | None, progress: Progress
-) -> tuple[AxleFatigue, str]:
+class How(NamedTuple):
+    """How runs are counted."""
+
+    curve: Curve
+    angles: int
+    gate: float | None
+    mark: float
+    booking: Booking | None
+    progress: Progress
+
+    def begin(self, scenario: Scenario, reduced: ReducedWheelset, nodes: Sequence[str]) -> AxleFatigue:
+        """A count of a scenario."""
+        static = static_stress(scenario, reduced, nodes)
+        gate = GATE if self.gate is None else self.gate
+        return AxleFatigue(static, TurningWheel.of(scenario), self.curve, points=self.angles, gate=gate, mark=self.mark)
+
+    def push_to(self, found: AxleFatigue, name: str, first_step: int) -> Callable[[SampleBlock], None]:
+        """Takes in blocks of a count, which goes on from its last checkpoint if it is kept."""
+        return found.push if self.booking is None else Book(found, self.booking, name, first_step).push
+
+
+def simulated(scenario: Scenario, distance: float, how: How) -> tuple[AxleFatigue, str]:
     """Fatigue of a scenario over a distance, and its name."""
     torques = [event.torque for event in scenario.events if event.torque is not None]
     check_loads(
         [scenario.loads, *(dataclasses.replace(scenario.loads, torque=each, torque_plan=()) for each in torques)]
     )
     _warn_of_loads([event.axle_load or scenario.axle_load for event in scenario.events], scenario.axle_load)
-    simulator = Simulator(scenario, progress)
-    found = _fatigue(scenario, simulator.models.reduced, curve, angles, gate, scenario.output.stress_nodes)
+    simulator = Simulator(scenario, how.progress)
+    found = how.begin(scenario, simulator.models.reduced, scenario.output.stress_nodes)
+    push = how.push_to(found, scenario.name, 0)
     simulator.settle()
     steps = math.ceil(distance / scenario.step_length)
     while simulator.next_step < steps:
-        found.push(simulator.advance(min(CHUNK, steps - simulator.next_step)))
-        progress(f"simulate {scenario.name}", simulator.next_step / steps)
+        push(simulator.advance(min(CHUNK, steps - simulator.next_step)))
+        how.progress(f"simulate {scenario.name}", simulator.next_step / steps)
     return found, scenario.name
 
 
-def _recorded(
-    path: Path, curve: Curve, distance: float | None, angles: int, gate: float | None, progress: Progress
-) -> tuple[AxleFatigue, str]:
+def _recorded(path: Path, distance: float | None, how: How) -> tuple[AxleFatigue, str]:
     """Fatigue of a bag, and the name of its scenario; raises RecordingError for gaps and decimated samples."""
     bag = Bag(path)
-    scenarios = [_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
+    scenarios = [recorded_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
     if not scenarios:
         raise RecordingError(f"{path} holds no scenario, so its loads are unknown: record it with this package")
     check_loads([each.loads for each in scenarios])
     scenario = scenarios[0]
     _warn_of_loads([state.axle_load for state in bag.states], scenario.axle_load)
-    reduced = reduce_wheelset(scenario.wheelset, progress, scenario.vehicle)
+    reduced = reduce_wheelset(scenario.wheelset, how.progress, scenario.vehicle)
     found: AxleFatigue | None = None
+    end: float = math.inf
     for block in bag.blocks():
         if found is None:
-            found = _fatigue(scenario, reduced, curve, angles, gate, block.nodes)
-        left = math.inf if distance is None else math.ceil(distance / scenario.step_length) - found.steps
-        found.push(block if len(block) <= left else _first(block, int(left)))
+            found = how.begin(scenario, reduced, block.nodes)
+            push = how.push_to(found, bag.info.scenario_name, block.first_step)
+            end = math.inf if distance is None else block.first_step + math.ceil(distance / scenario.step_length)
+        left = end - block.first_step
+        push(block if len(block) <= left else _first(block, int(left)))
         if len(block) >= left:
             break
     assert found is not None  # a bag without blocks raises
@@ -230,20 +259,13 @@ def _warn_of_loads(loads: Sequence[float], first: float) -> None:
         )
 
 
-def _scenario(path: Path, text: str) -> Scenario:
+def recorded_scenario(path: Path, text: str) -> Scenario:
     """Scenario of a state; raises RecordingError."""
     try:
         with recorded_input():
             return scenario_from(parse(text, "scenario of the bag", trusted=False))
     except InputError as reason:
         raise RecordingError(f"{path} holds a scenario that cannot be used: {reason}") from None
-
-
-def _fatigue(
-    scenario: Scenario, reduced: ReducedWheelset, curve: Curve, angles: int, gate: float | None, nodes: Sequence[str]
-) -> AxleFatigue:
-    static = static_stress(scenario, reduced, nodes)
-    return AxleFatigue(static, TurningWheel.of(scenario), curve, points=angles, gate=GATE if gate is None else gate)
 
 
 def as_mapping(name: str, nodes: Sequence[NodeFatigue], spectrum: StressSpectrum, curve: Curve) -> dict[str, Any]:
@@ -287,7 +309,7 @@ def table(name: str, nodes: Sequence[NodeFatigue], curve: Curve) -> Table:
     shown_as = Table(
         title=f"{name}: {nodes[0].distance:.0f} m, rotating stress at {len(nodes[0].angles)} angles",
         title_justify="left",
-        caption=f"* by the {curve.note}",
+        caption=by_curve(curve),
         caption_justify="left",
     )
     shown_as.add_column("")

@@ -61,6 +61,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
     yield sections.losses(run)
     yield sections.peaks(run)
+    yield sections.verdict(run)
     yield sections.over_time(run, _plot(plots.time_plots(run), "time-plots"))
     yield sections.impacts(run)
     if run.sensors:

@@ -19,6 +19,7 @@ from ..samples.decimation import FACTOR
 from ..samples.impacts import ImpactSettings
 from ..scenario import Scenario, load_scenario
 from ..scenario.values import SCENARIO_NUMBERS, Values, quantity_named, values_of, with_values
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
 from .declaring import declare, described, fixed, number, warn_of_unknown, whole
 
 T = TypeVar("T")
@@ -34,6 +35,7 @@ START_UP = {
     "publish_odometry": (False, "Publish the position of the wheelset on odometry, once a chunk; needs nav_msgs"),
     "publish_tf": (False, "Publish the transforms map, track, wheelset on /tf and /tf_static; needs tf2_msgs"),
     "publish_clock": (False, "Publish the time of the run on /clock, for nodes with use_sim_time"),
+    "limits": (DEFAULT_LIMITS, "Limits for the verdict in diagnostics: name of a shipped set, path of a file, or none"),
     "prometheus.address": ("127.0.0.1", "Address on which metrics are served; 0.0.0.0 is all of this machine"),
 }
 PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
@@ -81,6 +83,7 @@ class Parameters:
             declare(node, f"record.{field.name}", field.default, _of_recording(field.name, field.default))
         declare(node, "prometheus.port", 0, whole(PORT, PORT.meaning.rstrip(","), read_only=True))
         warn_of_unknown(node)
+        load_limits(self["limits"])
         self.check_clock(self["use_sim_time"])
         self.changed({}, self.file)
         self.pace({})

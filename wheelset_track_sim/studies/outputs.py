@@ -28,6 +28,12 @@ OF_FATIGUE = {
 }
 """Quantity, what of it over time, SI unit. A star marks what depends on an S-N curve."""
 STARRED = "damage_ratio"
+FORCES = tuple(f"wheels.{wheel}.max_force" for wheel in WHEELS)
+"""Largest contact forces, which limits are for."""
+
+
+SMALLEST, LARGEST = " smallest", " largest"
+"""Behind the name of an output: over places of the bay."""
 
 
 def known_outputs(nodes: Sequence[str]) -> list[str]:

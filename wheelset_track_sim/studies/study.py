@@ -16,22 +16,28 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
-from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
-from .axes import Axis, Point, read_axis
+from ..simulation.places import MOST
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
+from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
+from .axes import Axis, Point, combinations, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
+from .maps import Map
 from .outputs import check_output, nodes_of_fatigue
 from .pressure_maps import PressureMaps
+from .sampling import Sampling
+from .sensitivities import Sensitivities
 
 FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_receptances": wheelset_receptances.draw,
     "wheelset_modes": wheelset_modes.draw,
     "track_receptances": track_receptances.draw,
     "moving_green_functions": moving_green_functions.draw,
+    "blind_zone": blind_zone.draw,
 }
-"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
-returns what it wrote."""
+"""Figures that are drawn from the models, without runs of the study. A function writes them, and their tables, into a
+folder and returns what it wrote."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +99,11 @@ class Study:
     """Dotted scenario keys that differ from the base scenario in all runs."""
     vary: Any = field(default_factory=dict)
     """Axes, the first varied slowest: see ``axes.read_axis``."""
+    sampling: Sampling | None = None
+    """How values are drawn along axes that are distributions; ``Sampling()`` if None."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
+    places: int = quantity("", 1, MOST, "the number of places of the bay at which each run is repeated", default=1)
+    """Outputs are medians over them then, with the smallest and the largest beside."""
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -102,12 +112,15 @@ class Study:
     """Name or file of the S-N curve of outputs of fatigue."""
     pressures: tuple[str, ...] = ()
     """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
-    drawings: tuple[Lines | Histories | PressureMaps, ...] = ()
+    limits: str = DEFAULT_LIMITS
+    """Limits for the verdict on each run: name of a shipped set, path of a file, or ``none``."""
+    drawings: tuple[Lines | Histories | PressureMaps | Map | Sensitivities, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
+        check(self)
         for name in ("set", "vary"):
             keyed(getattr(self, name), name)
         if not isinstance(self.scenario, (str, Path, Mapping)):
@@ -118,10 +131,15 @@ class Study:
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
+        load_limits(self.limits)
         if not (self.has_runs or self.figures):
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
         if nodes_of_fatigue(self.outputs) and not self.curve:
             raise InputError("curve is missing: name the S-N curve of the outputs of fatigue, such as assumed_body")
+        if nodes_of_fatigue(self.outputs) and self.places > 1:
+            raise InputError(
+                f"places = {self.places} is for forces and stresses, and outputs of fatigue count one run: give 1"
+            )
         axes, _ = self.axes, self.sn_curve  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
@@ -138,7 +156,14 @@ class Study:
     @property
     def axes(self) -> tuple[Axis, ...]:
         """What is varied."""
-        return tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+        axes = tuple(read_axis(str(name), data, f"vary.{name}") for name, data in self.vary.items())
+        drawn = sum(axis.distribution is not None for axis in axes)
+        if self.sampling is not None:
+            _check_sampling(self.sampling, drawn, len(axes))
+        if not drawn:
+            return axes
+        shares = iter((self.sampling or Sampling()).draws(drawn).T)
+        return tuple(axis.drawn(next(shares)) if axis.distribution else axis for axis in axes)
 
     @cached_property
     def sn_curve(self) -> Curve | None:
@@ -171,7 +196,7 @@ class Study:
         if not self.has_runs:
             return ()
         base, axes = self.base(changes), self.axes
-        return tuple(self._run(base, axes, points) for points in itertools.product(*(axis.points for axis in axes)))
+        return tuple(self._run(base, axes, points) for points in combinations(axes))
 
     def _run(self, base: dict[str, Any], axes: tuple[Axis, ...], points: tuple[Point, ...]) -> StudyRun:
         data = copy.deepcopy(base)
@@ -186,7 +211,7 @@ class Study:
             self._check(scenario)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures, self.sn_curve)
+        kept = (self.outputs, self.histories, self.pressures, self.sn_curve, self.places)
         return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
 
     def _check(self, scenario: Scenario) -> None:
@@ -198,6 +223,16 @@ class Study:
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
                 f"{scenario.reference_position:g} m, or raise reference_position"
             )
+
+
+def _check_sampling(sampling: Sampling, drawn: int, axes: int) -> None:
+    """Raise InputError for a design that does not fit the axes of a study, of which some are ``drawn``."""
+    if not drawn:
+        raise InputError("sampling draws from distributions, and vary has none: give one, or leave sampling out")
+    if sampling.method == "saltelli" and not 1 < drawn == axes:
+        raise InputError(
+            "sampling.method = saltelli compares distributions: give two axes or more, each with a distribution"
+        )
 
 
 def load_study(name_or_path: str | Path) -> Study:

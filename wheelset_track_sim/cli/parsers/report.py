@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from .measured import matching_of, reading_of, takes_measured, takes_place
-from .options import may_overwrite, takes_bag, takes_threshold
+from .options import may_overwrite, takes_bag, takes_limits, takes_threshold
 from .parser import Commands, command
 
 
@@ -34,6 +34,7 @@ def add(commands: Commands) -> None:
     )
     takes_place(report)
     takes_measured(report)
+    takes_limits(report)
     may_overwrite(report)
     report.set_defaults(command=_report)
 
@@ -52,4 +53,5 @@ def _report(options: argparse.Namespace) -> int:
         reading_of(options),
         picture=options.picture,
         overwrite=options.overwrite,
+        limits=options.limits,
     )

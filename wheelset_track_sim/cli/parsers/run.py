@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import InputError
-from .options import takes_changes, takes_json, takes_shipped, takes_threshold
+from .options import takes_changes, takes_json, takes_limits, takes_shipped, takes_threshold
 from .parser import Amount, Commands, command
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def add(commands: Commands) -> None:
             "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
             "mine.yaml --duration '2 min' --out run.mcap --threshold '250 kN'",
             "mine.yaml --out run.csv",
+            "flat_fresh --places 12",
         ],
     )
     takes_shipped(run, "scenario")
@@ -65,6 +66,14 @@ def add(commands: Commands) -> None:
         help="record only impacts, each from this time before it on",
     )
     takes_threshold(run, "the bag records an impact")
+    takes_limits(run)
+    run.add_argument(
+        "--places",
+        type=int,
+        default=1,
+        metavar="N",
+        help="also simulate N places of the bay at which the damage meets the rail, and print the extremes over them",
+    )
     takes_json(run)
     run.set_defaults(command=_run)
 
@@ -82,6 +91,8 @@ def _run(options: argparse.Namespace) -> int:
         json=options.json,
         settings=settings,
         impacts=impacts,
+        limits=options.limits,
+        places=options.places,
         warnings=options.warnings,
     )
 
