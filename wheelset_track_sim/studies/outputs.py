@@ -44,8 +44,8 @@ def known_outputs(nodes: Sequence[str]) -> list[str]:
 
 def nodes_of_fatigue(names: Iterable[str]) -> tuple[str, ...]:
     """Stress nodes of which outputs of fatigue are among the names, each once."""
-    parts = [name.split(".") for name in names]
-    return tuple(dict.fromkeys(of for *_, of, quantity in parts if quantity in OF_FATIGUE))
+    parts = [name.removeprefix("nodes.").rpartition(".") for name in names if name.startswith("nodes.")]
+    return tuple(dict.fromkeys(node for node, _, quantity in parts if quantity in OF_FATIGUE))
 
 
 def check_output(name: str, nodes: Sequence[str], where: str) -> None:
