@@ -22,7 +22,8 @@ from ..scenario import WHEELS, Scenario
 from ..simulation.models import Models, load_models
 from ..simulation.simulator import Simulator
 from ..version import __version__
-from .outputs import value_of
+from ..wayside.watch import WaysideWatch
+from .outputs import value_of, wayside_values
 
 INSTANTS = ("reference", "max_force")
 """Instants of a contact pressure: angle 0 of the treads meets the rail; the wheel's contact force is largest."""
@@ -56,6 +57,11 @@ class Job:
     def effort(self) -> float:
         """Steps to simulate, roughly: the settling phase takes the same time at every speed."""
         return self.scenario.speed / self.scenario.step_length + self.first_step + self.samples
+
+    @property
+    def reads_wayside(self) -> bool:
+        """Whether something is kept of what detectors beside the track read."""
+        return any(name.startswith("wayside.") for name in self.outputs)
 
     def digest(self) -> str:
         """Digest of all that changes the result: scenario, what is kept, the program.
@@ -96,21 +102,31 @@ def evaluate(job: Job, made_for: str) -> Result:
         )
     simulator = Simulator(job.scenario, models=models(job.scenario))
     _kept.settled = {simulator.settling: simulator.settle(_kept.settled.get(simulator.settling))}
+    scenario = job.scenario
+    watch = WaysideWatch(scenario.wayside if job.reads_wayside else (), scenario.track, scenario.step_length)
+    passed: dict[str, float] = {}
+
+    def advanced(steps: int) -> SampleBlock:
+        block = simulator.advance(steps)
+        for passage in watch.push(block):
+            passed.update(wayside_values(passage))
+        return block
+
     while simulator.next_step < job.first_step:
-        simulator.advance(job.first_step - simulator.next_step)
+        advanced(job.first_step - simulator.next_step)
     summaries: list[Summary] = []
     histories: dict[str, list[Real]] = {name: [] for name in job.histories}
     arrays: dict[str, Real] = {}
     end = job.first_step + job.samples
     while simulator.next_step < end:  # a change of speed ends a block
-        block = simulator.advance(end - simulator.next_step)
+        block = advanced(end - simulator.next_step)
         summaries.append(summarise(block))
         for name, parts in histories.items():
             parts.append(history(name, simulator, block))
         for name in job.pressures:
             arrays |= pressure(name, simulator, block, arrays.get(f"{name}.at"))
     summary = combine(summaries)
-    values = {name: value_of(summary, name) for name in job.outputs}
+    values = {name: passed[name] if name in passed else value_of(summary, name) for name in job.outputs}
     if histories:
         arrays |= {name: np.concatenate(parts) for name, parts in histories.items()}
         arrays["position"] = np.arange(job.first_step, end, dtype=np.float64) * job.scenario.step_length
@@ -141,6 +157,7 @@ ANY: dict[str, Any] = {
     "irregularities": (),
     "line_length": None,
     "settle_on": "surfaces",
+    "wayside": (),
 }
 """Values for the keys on which models do not depend."""
 

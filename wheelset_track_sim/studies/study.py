@@ -14,6 +14,7 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
+from ..wayside.history import window
 from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, read_axis
 from .charts import Lines
@@ -173,16 +174,29 @@ class Study:
             take_in(data)
             with confirmed_numbers():
                 scenario = scenario_from(data)
-            self._check(scenario)
+            kept = (self.outputs, self.histories, self.pressures)
+            job = Job(scenario, self.window.before, self.window.after, *kept)
+            self._check(job)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures)
-        return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
+        return StudyRun(points, job)
 
-    def _check(self, scenario: Scenario) -> None:
+    def _check(self, job: Job) -> None:
         """Raise InputError for what the study asks of a run that it does not have."""
+        scenario = job.scenario
+        detectors = {
+            each.topic.partition("/")[2]: window(each.detector, scenario.track, each.position, scenario.step_length)[1]
+            for each in scenario.wayside
+        }
         for index, name in enumerate(self.outputs):
-            check_output(name, scenario.output.stress_nodes, f"outputs.{index}")
+            check_output(name, scenario.output.stress_nodes, f"outputs.{index}", [*detectors])
+            kind, of, _ = name.split(".")
+            if kind == "wayside" and (last := detectors[of]) >= (end := job.first_step + job.samples):
+                dx = scenario.step_length
+                raise InputError(
+                    f"window.after = {self.window.after:g} m ends before the wheelset has passed detector {of}: give "
+                    f"{self.window.after + (last + 1 - end) * dx:g} m or more"
+                )
         if self.window.before > scenario.reference_position + 1e-9:
             raise InputError(
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
