@@ -27,7 +27,8 @@ from ..simulation.models import Models, load_models
 from ..simulation.places import advanced, at_places, runs
 from ..simulation.simulator import Simulator
 from ..version import __version__
-from .outputs import LARGEST, SMALLEST, nodes_of_fatigue, value_of, values_of_fatigue
+from ..wayside.watch import WaysideWatch
+from .outputs import LARGEST, SMALLEST, nodes_of_fatigue, value_of, values_of_fatigue, wayside_values
 
 INSTANTS = ("reference", "max_force")
 """Instants of a contact pressure: angle 0 of the treads meets the rail; the wheel's contact force is largest."""
@@ -65,6 +66,11 @@ class Job:
     def effort(self) -> float:
         """Steps to simulate, roughly: the settling phase takes the same time at every speed."""
         return self.scenario.speed / self.scenario.step_length + self.first_step + self.samples
+
+    @property
+    def reads_wayside(self) -> bool:
+        """Whether something is kept of what detectors beside the track read."""
+        return any(name.startswith("wayside.") for name in self.outputs)
 
     def digest(self) -> str:
         """Digest of all that changes the result: scenario, what is kept, the program.
@@ -106,15 +112,25 @@ def evaluate(job: Job, made_for: str) -> Result:
     simulator = Simulator(job.scenario, models=models(job.scenario))
     simulator.require(job.first_step + job.samples)
     _kept.settled = {simulator.settling: simulator.settle(_kept.settled.get(simulator.settling))}
+    scenario = job.scenario
+    watch = WaysideWatch(scenario.wayside if job.reads_wayside else (), scenario.track, scenario.step_length)
+    passed: dict[str, float] = {}
+
+    def advance(steps: int) -> SampleBlock:
+        block = simulator.advance(steps)
+        for passage in watch.push(block):
+            passed.update(wayside_values(passage))
+        return block
+
     while simulator.next_step < job.first_step:
-        simulator.advance(job.first_step - simulator.next_step)
+        advance(job.first_step - simulator.next_step)
     summaries: list[Summary] = []
     histories: dict[str, list[Real]] = {name: [] for name in job.histories}
     arrays: dict[str, Real] = {}
     end = job.first_step + job.samples
     fatigue = _fatigue(job, simulator)
     while simulator.next_step < end:  # a change of speed ends a block
-        block = simulator.advance(end - simulator.next_step)
+        block = advance(end - simulator.next_step)
         summaries.append(summarise(block))
         if fatigue:
             fatigue.push(block)
@@ -123,10 +139,8 @@ def evaluate(job: Job, made_for: str) -> Result:
         for name in job.pressures:
             arrays |= pressure(name, simulator, block, arrays.get(f"{name}.at"))
     summary = combine(summaries)
-    values = {name: value_of(summary, name) for name in job.outputs}
-    values |= (
-        {name: value for name, value in values_of_fatigue(fatigue.nodes).items() if name in values} if fatigue else {}
-    )
+    others = passed | (values_of_fatigue(fatigue.nodes) if fatigue else {})
+    values = {name: others[name] if name in others else value_of(summary, name) for name in job.outputs}
     if job.places > 1:
         values = _over_places(job, values, simulator.models)
     if histories:
@@ -184,6 +198,7 @@ ANY: dict[str, Any] = {
     "irregularities": (),
     "line_length": None,
     "settle_on": "surfaces",
+    "wayside": (),
 }
 """Values for the keys on which models do not depend."""
 
