@@ -35,7 +35,10 @@ LEFT_OUT = {
         f"{WTS} resimulate",
         f"{WTS} compare shallow",
     ),
-    "howto/fatigue": (f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
+    "howto/fatigue": (
+        *(f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
+        *(f"{WTS} fatigue axle_7.ledger", f"{WTS} fatigue damage_wheel_1 --mission"),
+    ),
     "howto/qos": (f"{WTS} echo", "ros2 "),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }

@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..bags.messages import FRAME, SENSORS, Message, in_frame, sample_messages, stress_topic
+from ..bags.messages import FATIGUE, FRAME, SENSORS, Message, in_frame, sample_messages, stress_topic
 from ..bags.topics import DEPTH, LATCHED_TOPICS
 from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
@@ -39,13 +39,14 @@ class Outputs:
         self._decimators: dict[str, BlockDecimator] = {}
         self._start_ns = 0
 
-    def create(self, stress_nodes: Sequence[str], sensors: Sequence[Sensor] = ()) -> None:
+    def create(self, stress_nodes: Sequence[str], sensors: Sequence[Sensor] = (), *, fatigue: bool = False) -> None:
         """Make the publishers; those of the stream publish while the node is active."""
         kinds = {"contact_forces": "ContactForces", "summary": "LoadSummary"}
         kinds |= {"impacts": "WheelImpact", "state": "SimulationState"}
         kinds |= {stress_topic(name): "AxleStress" for name in stress_nodes}
         kinds |= {sensor.topic: sensor.kind for sensor in sensors}
         kinds |= {SENSORS: "SensorSummary"} if sensors else {}
+        kinds |= {FATIGUE: "Fatigue"} if fatigue else {}
         for topic, kind in kinds.items():
             latched = topic in LATCHED_TOPICS
             quality = QoSProfile(
