@@ -12,11 +12,12 @@ from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
 from wheelset_track_sim.monitoring.prometheus import Endpoint, Metrics
-from wheelset_track_sim.monitoring.status import Level, Status
+from wheelset_track_sim.monitoring.status import Status
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.impacts import Impact
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.samples.turns import TurnPeaks
+from wheelset_track_sim.verdict.limit_set import Level
 
 
 def scraped(endpoint):
