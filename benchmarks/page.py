@@ -288,6 +288,10 @@ def more(r: Results) -> str:
         ),
         ("acceleration at both axle boxes, share of the coupled step", _share(r.fact("test_two_axle_boxes", "share"))),
         *(
+            (f"fatigue at three nodes and 36 angles, share of the run, {run['case']}", _share(run["to_run"]))
+            for run in r.facts("test_three_nodes_at_36_angles[")
+        ),
+        *(
             (
                 f"resident memory of the {MEMORY[what]} over an hour, first minute left out",
                 _span(r, f"test_memory_of_{what}"),

@@ -241,15 +241,11 @@ def _recorded(path: Path, distance: float | None, how: How) -> tuple[AxleFatigue
             push = how.push_to(found, bag.info.scenario_name, block.first_step)
             end = math.inf if distance is None else block.first_step + math.ceil(distance / scenario.step_length)
         left = end - block.first_step
-        push(block if len(block) <= left else _first(block, int(left)))
+        push(block if len(block) <= left else block.part(0, int(left)))
         if len(block) >= left:
             break
     assert found is not None  # a bag without blocks raises
     return found, bag.info.scenario_name
-
-
-def _first(block: SampleBlock, samples: int) -> SampleBlock:
-    return dataclasses.replace(block, forces=block.forces[:samples], stresses=block.stresses[:samples], sensors={})
 
 
 def _warn_of_loads(loads: Sequence[float], first: float) -> None:

@@ -15,6 +15,7 @@ from ..bags.exports import check_steps, exported, form_of
 from ..bags.settings import RecordSettings
 from ..errors import InputError, warn
 from ..inputs.amounts import in_unit
+from ..live.fatigue_watch import FatigueSettings
 from ..live.run_messages import record
 from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
@@ -54,6 +55,7 @@ def run(
     impacts: ImpactSettings | None = None,
     limits: str = DEFAULT_LIMITS,
     places: int = 1,
+    fatigue: FatigueSettings | None = None,
     warnings: Sequence[str] = (),
 ) -> int:
     """Simulate a scenario and print its peaks; returns the exit status.
@@ -61,13 +63,15 @@ def run(
     With ``places`` the damage meets the rail at that many places of the bay in turn, and peaks are printed of all.
 
     ``out`` is a bag, or a table by its suffix. ``settings`` say how a bag is recorded, ``impacts`` defines an impact
-    there. ``limits`` is the set for the verdict, ``warnings`` grow during the run.
+    there. ``limits`` is the set for the verdict, ``fatigue`` says how fatigue is counted for the bag. ``warnings`` grow
+    during the run.
     """
     what, limit_set = load_scenario(scenario, changes), load_limits(limits)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
     bag, form = out, None if out is None else form_of(out)
-    if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
+    of_bags = impacts is not None or fatigue is not None or settings not in (None, RecordSettings())
+    if out is not None and form is not None and of_bags:
         raise InputError(
             f"--out {out} is a table, and you gave options of bags: leave them out, or give {out.with_suffix('.mcap')}"
         )
@@ -85,7 +89,7 @@ def run(
         simulator.settle()
         push: Callable[[SampleBlock, Summary], None] | None = None
         if bag is not None:
-            push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts))
+            push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts, fatigue=fatigue))
         chunk = CHUNK if push else LONG_CHUNK
         means = simulator.constant_stress[:, AXIAL]
         bending = BendingAmplitudes(means, simulator.steps_per_revolution)
