@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from wheelset_track_sim.identify import Observation, identify, predict
-from wheelset_track_sim.identify.kinds import KINDS, LATERAL
+from wheelset_track_sim.identification import Observation, identify, predict
+from wheelset_track_sim.identification.kinds import KINDS, LATERAL
 from wheelset_track_sim.runtime.arrays import Real
 from wheelset_track_sim.samples.resampling import band_limited
 from wheelset_track_sim.scenario import Scenario, load_scenario
@@ -184,7 +184,7 @@ def main() -> None:
             done.append(case(number))
             file.write(json.dumps(done[-1]) + "\n")
             file.flush()
-    print(summary(done))  # noqa: T201
+    print(summary(done))
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from wheelset_track_sim.runtime.sources import imports
 PACKAGE = "wheelset_track_sim"
 LAYERS = (
     *("version", "errors", "runtime", "inputs", "samples", "wheelset", "sensors", "track", "irregularities", "contact"),
-    *("scenario", "dynamics", "simulation", "fatigue", "bags", "live", "twin", "identify"),
+    *("scenario", "dynamics", "simulation", "fatigue", "bags", "live", "twin", "identification"),
     *("monitoring", "report", "studies", "ros", "cli"),
 )
 """From low to high: a folder, or a module beside the folders, imports only from itself and from those before it."""

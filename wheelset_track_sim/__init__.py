@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .dynamics.moving_green_functions import moving_green_functions
     from .dynamics.responses import green_function, receptance
     from .errors import InputError, InputWarning, WheelsetTrackError
+    from .identification import Identification, Observation, PeakReading, Prediction, identify, predict
     from .live.run_messages import record
     from .samples.block import SampleBlock
     from .scenario import Scenario, load_scenario
@@ -49,9 +50,13 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "Fleet": "simulation.fleet",
+    "Identification": "identification",
     "InputError": "errors",
     "InputWarning": "errors",
+    "Observation": "identification",
     "Passages": "simulation.passages",
+    "PeakReading": "identification",
+    "Prediction": "identification",
     "Recording": "bags",
     "Resimulation": "twin",
     "SampleBlock": "samples.block",
@@ -60,12 +65,14 @@ _PLACES = {
     "Study": "studies",
     "WheelsetTrackError": "errors",
     "green_function": "dynamics.responses",
+    "identify": "identification",
     "load_scenario": "scenario",
     "load_study": "studies",
     "load_track": "track.track",
     "load_vehicle": "wheelset.vehicle",
     "load_wheelset": "wheelset.kinds",
     "moving_green_functions": "dynamics.moving_green_functions",
+    "predict": "identification",
     "read_bag": "bags",
     "receptance": "dynamics.responses",
     "record": "live.run_messages",
@@ -75,9 +82,13 @@ _PLACES = {
 
 __all__ = [
     "Fleet",
+    "Identification",
     "InputError",
     "InputWarning",
+    "Observation",
     "Passages",
+    "PeakReading",
+    "Prediction",
     "Recording",
     "Resimulation",
     "SampleBlock",
@@ -87,12 +98,14 @@ __all__ = [
     "WheelsetTrackError",
     "__version__",
     "green_function",
+    "identify",
     "load_scenario",
     "load_study",
     "load_track",
     "load_vehicle",
     "load_wheelset",
     "moving_green_functions",
+    "predict",
     "read_bag",
     "receptance",
     "record",
