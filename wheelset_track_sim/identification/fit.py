@@ -12,7 +12,8 @@ Columns of J for sizes and places are differences of simulations; those of lag, 
 A model is not what was measured. The track is uncertain by unknowns of its own, whose effects are simulated. What is
 left of the model's errors has the standard deviation ``shape``, a share of how far a sample is from the median, and the
 correlation exp(-|t| / 1 ms): such errors last as the vibrations do to which they belong, and are not averaged out as
-the white noise of the sensor is. Where a wheelset rings, the distance is that of its amplitude: phases drift. So the covariance of the samples is::
+the white noise of the sensor is. Where a wheelset rings, phases drift, and the distance is that of its amplitude. So
+the covariance of the samples is::
 
     C = sigma^2 I + D K D,    D = shape diag(|y - median|),    K_ij = exp(-|t_i - t_j| / 1 ms)
 
@@ -254,7 +255,7 @@ class Problem:
             xtol=1e-4,
             gtol=1e-6,
         )
-        return self.mode(found.x)
+        return self.optimum(found.x)
 
     @property
     def _scales(self) -> Real:
@@ -277,7 +278,7 @@ class Problem:
                 widths[self.at(number, "lag")] = (forward.time[-1] - forward.time[0]) / LAG_UNIT
         return widths
 
-    def mode(self, x: Real) -> Optimum:
+    def optimum(self, x: Real) -> Optimum:
         """What Laplace says about an optimum."""
         residuals, jacobian = self.residuals(x), self.jacobian(x)
         widths, normal = self.widths, self.normal

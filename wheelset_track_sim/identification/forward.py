@@ -159,7 +159,7 @@ class Forward:
         return ((place - self.earlier * self.circumference) % self.bay) / self._radius
 
     def curve(self, damage: Irregularity | None, place: float, speed: int, track: int = 0) -> PassageCurve:
-        """PassageCurve of a damage whose ``angle`` is that of ``place``, at one of ``speeds``, on a track; None: no damage."""
+        """Curve of a damage whose ``angle`` is that of ``place``, at one of ``speeds``, on a track; None: no damage."""
         key = damage, place, speed, track
         if key not in self._kept:
             self._kept[key] = self._curve(*key)

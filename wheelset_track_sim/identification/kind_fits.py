@@ -15,7 +15,7 @@ from ..scenario import Scenario
 from ..scenario.scenario import Wheel
 from .fit import STEPS, Optimum, Problem
 from .forward import Forward, TrackModels
-from .kinds import KINDS, LATERAL, NONE, DamageKind, kinds_of
+from .kinds import KINDS, LATERAL, DamageKind, kinds_of
 from .observation import Observation, PeakReading
 from .peak import identify_peak
 from .results import LEAST, TELLING, Band, Identification, Interval, KindFit, correlations, explains
@@ -46,7 +46,7 @@ def identify(
     scenario
         Wheelset and track without the damage; speeds and loads are those of the data.
     kinds
-        Kinds that are looked at, all if empty: ``flat``, ``worn_flat``, ``breakout``, ``polygon``, ``none``.
+        Kinds that are looked at, all if empty: ``flat``, ``worn_flat``, ``breakout``, ``none``.
     wheel
         The wheel of a peak.
     track_error
@@ -84,9 +84,8 @@ def identify(
     tracks = TrackModels(scenario, track_error, progress)
     forwards = [Forward(each, tracks) for each in data]
     searched: dict[str, tuple[Problem, list[Optimum]]] = {}
-    looked = [name for name in names if name in KINDS or name == NONE]
-    for number, name in enumerate(looked):
-        progress(f"search {name}", number / len(looked))
+    for number, name in enumerate(names):
+        progress(f"search {name}", number / len(names))
         problem = Problem(KINDS.get(name), forwards, len(tracks.parts))
         searched[name] = problem, [problem.search(start, STEPS // 2) for start in problem.starts(1)]
     best = max(modes[0].log_evidence for _, modes in searched.values())

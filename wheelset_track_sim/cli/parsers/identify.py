@@ -12,7 +12,7 @@ from .measured import reading_of, takes_measured
 from .options import may_overwrite, takes_changes, takes_json
 from .parser import Amount, Commands, command, completed
 
-KINDS = ("flat", "worn_flat", "breakout", "polygon", "none", "any")
+KINDS = ("flat", "worn_flat", "breakout", "none", "any")
 
 
 class Amounts(argparse.Action):
