@@ -20,8 +20,8 @@ from scipy.stats import norm, qmc
 from ..runtime.arrays import Real
 from .fit import Optimum, Problem
 
-DRAWS = 48
-"""Draws that are simulated."""
+DRAWS = 12
+"""Draws that are simulated, for each size and place of one observation, and for two more."""
 WIDER = 1.25
 """Factor on the standard deviations of the proposal."""
 RESAMPLED = 500
@@ -53,11 +53,11 @@ def simulated_columns(problem: Problem) -> tuple[int, ...]:
     return (*range(problem.sizes), *places)
 
 
-def sample(problem: Problem, modes: Sequence[Optimum], seed: int, draws: int = DRAWS) -> Posterior:
+def sample(problem: Problem, modes: Sequence[Optimum], seed: int, draws: int | None = None) -> Posterior:
     """Posterior about some optima, in which the first one is the best."""
     columns = simulated_columns(problem)
     folded = _Folded(problem, modes, columns)
-    proposed = folded.drawn(draws, seed)
+    proposed = folded.drawn(draws or DRAWS * (problem.sizes + 3), seed)
     log_weights = np.array([_log_posterior(problem, modes[0], columns, each) for each in proposed])
     log_weights -= folded.log_density(proposed)
     weights = np.exp(log_weights - logsumexp(log_weights))
