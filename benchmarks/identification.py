@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from wheelset_track_sim.identify import Observation, identify, predict
-from wheelset_track_sim.identify.kinds import KINDS, LATERAL
+from wheelset_track_sim.identification import Observation, identify, predict
+from wheelset_track_sim.identification.kinds import KINDS, LATERAL
 from wheelset_track_sim.runtime.arrays import Real
 from wheelset_track_sim.samples.resampling import band_limited
 from wheelset_track_sim.scenario import Scenario, load_scenario
@@ -174,13 +174,14 @@ def summary(results: list[dict[str, Any]]) -> str:
 def main() -> None:
     """Run the cases that are missing in the file, and print a summary of all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=100)
+    parser.add_argument("--cases", type=int, default=100, help="number of cases")
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--out", type=Path, default=Path("identification.jsonl"))
     options = parser.parse_args()
     done = [json.loads(line) for line in options.out.read_text().splitlines()] if options.out.exists() else []
     there = {each["case"] for each in done}
     with options.out.open("a", encoding="utf-8") as file:
-        for number in (each for each in range(options.cases) if each not in there):
+        for number in (each for each in range(options.first, options.first + options.cases) if each not in there):
             done.append(case(number))
             file.write(json.dumps(done[-1]) + "\n")
             file.flush()

@@ -12,11 +12,11 @@ from rich.table import Table
 
 from ..errors import InputError, warn
 from ..fatigue.curve import load_curve
-from ..identify.files import Given, read_observation
-from ..identify.identification import TRACK_ERROR, identify
-from ..identify.observation import Observation, PeakReading
-from ..identify.prediction import Prediction, predict
-from ..identify.results import EXPLAINS, LEAST, Identification, Interval
+from ..identification.files import Given, read_observation
+from ..identification.kind_fits import TRACK_ERROR, identify
+from ..identification.observation import Observation, PeakReading
+from ..identification.prediction import Prediction, predict
+from ..identification.results import EXPLAINS, LEAST, Identification, Interval
 from ..inputs.amounts import in_unit
 from ..report.figures import check_picture
 from ..report.identified import draw_identification

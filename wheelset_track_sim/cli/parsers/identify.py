@@ -12,7 +12,7 @@ from .measured import reading_of, takes_measured
 from .options import may_overwrite, takes_changes, takes_json
 from .parser import Amount, Commands, command, completed
 
-KINDS = ("flat", "worn_flat", "breakout", "polygon", "none", "any")
+KINDS = ("flat", "worn_flat", "breakout", "none", "any")
 
 
 class Amounts(argparse.Action):
@@ -87,7 +87,7 @@ def add(commands: Commands) -> None:
             action=Amount,
             unit="",
             metavar="SHARE",
-            help=f"standard deviation of the {what} (default: '{default}')",
+            help=f"standard deviation of the {what} (default: {default})",
         )
     named = identify.add_argument(
         "--scenario", metavar="SCENARIO", help="wheelset and track (default: that of a bag, or undamaged)"
@@ -123,7 +123,7 @@ def add(commands: Commands) -> None:
 
 
 def _identify(options: argparse.Namespace) -> int:
-    from ...identify.files import Given
+    from ...identification.files import Given
     from ..identify import Options, run_identify
 
     track = {} if options.track_error is None else {"track_error": options.track_error}

@@ -33,7 +33,14 @@ wheelset does after a hit rings on, and phases drift apart."""
 
 @dataclass(frozen=True)
 class PeakReading:
-    """The largest contact force of one passage, and nothing else."""
+    """The largest contact force of one passage, and nothing else.
+
+    Examples
+    --------
+    >>> reading = PeakReading(force=250e3, speed=25.0, axle_load=220e3)
+    >>> f"{reading.spread / 1e3:.1f} kN"  # of noise and gain
+    '7.8 kN'
+    """
 
     force: float = quantity("N", 1e4, 2e6, "the peak force", usual=(5e4, 1e6))
     speed: float = quantity("m/s", 5.0, 100.0, "the speed", default=27.7777778, usual=(5.0, 100.0))
@@ -57,7 +64,21 @@ class PeakReading:
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """A signal over time of one passage, or of a wheelset over some turns."""
+    """A signal over time of one passage, or of a wheelset over some turns.
+
+    Raises
+    ------
+    InputError
+        For too few samples, or samples that are not finite or not at even times.
+
+    Examples
+    --------
+    >>> block = Passages(load_scenario("undamaged")).run(load_scenario("flat_fresh").irregularities)
+    >>> import numpy as np
+    >>> time = block.step_period * np.arange(len(block))
+    >>> Observation("force", time, block.forces[:, 0], speed=block.speed, noise=3e3).wheel
+    'wheel_1'
+    """
 
     signal: Signal
     """``force``: contact force of one wheel, N. ``box``: acceleration of its axle box, m/s^2. ``strain``: of axles."""
