@@ -38,6 +38,8 @@ def test_a_size_follows_from_its_peak(table):
     found = table.size_of(float(table.peak_of(0.03, 25.0, 1.5e5)[1]), 25.0, 1.5e5)
     assert found.estimate == pytest.approx(0.03)
     assert (found.low, found.high) == pytest.approx((0.0227272727, 0.0388888889))
+    noisy = table.size_of(float(table.peak_of(0.03, 25.0, 1.5e5)[1]), 25.0, 1.5e5, 0.01)
+    assert noisy.low < found.low < noisy.estimate == found.estimate < found.high < noisy.high
     assert table.size_of(1e3, 25.0, 1.5e5).estimate == 0.0
 
 

@@ -33,6 +33,8 @@ from .workers import on_cluster, on_this_machine
 
 SHARES = (0.05, 0.5, 0.95)
 """Quantiles of the peaks of single turns that a table has: they scatter with the place on the bay that is hit."""
+NORMAL = 1.645
+"""Standard deviations on either side that hold 90 % of a normal distribution."""
 CHUNK = 5556
 """Steps simulated at once."""
 LEAST = 1e-30
@@ -40,7 +42,7 @@ LEAST = 1e-30
 
 
 class SizeInterval(NamedTuple):
-    """Size that a peak force means: estimate and interval of 90 %, by the scatter of peaks alone."""
+    """Size that a peak force means: estimate, and an interval of at least 90 %."""
 
     estimate: float
     low: float
@@ -76,15 +78,21 @@ class DamageTable:
         """Quantiles of the peak force of a turn, (..., quantiles), N; raises InputError likewise."""
         return _interpolated(self, self.peaks, size, speed, load)
 
-    def size_of(self, peak: float, speed: float, load: float) -> SizeInterval:
-        """Size of a damage whose largest force in a turn was ``peak``, N; raises InputError for a speed outside.
+    def size_of(self, peak: float, speed: float, load: float, noise: float = 0.0) -> SizeInterval:
+        """Size of a damage whose largest force in a turn was read as ``peak``, N.
 
-        Peaks below those of the smallest size, or above those of the largest, mean that size.
+        The interval has the scatter of peaks by the place that is hit, and the error of the reading, whose standard
+        deviation is ``noise`` as a share of it. Peaks below those of the smallest size, or above those of the largest,
+        mean that size. Raises InputError for a speed or load outside the table.
         """
         count = len(self.sizes)
         curves = self.peak_of(self.sizes, np.full(count, speed), np.full(count, load))
-        ends = [float(np.interp(peak, np.maximum.accumulate(curve), self.sizes)) for curve in curves.T]
-        return SizeInterval(ends[1], ends[2], ends[0])
+        likely, least, most = peak, peak * (1.0 - NORMAL * noise), peak * (1.0 + NORMAL * noise)
+        high, middle, low = (
+            float(np.interp(force, np.maximum.accumulate(curve), self.sizes))
+            for force, curve in zip((most, likely, least), curves.T, strict=True)
+        )
+        return SizeInterval(middle, low, high)
 
     def save(self, path: str | Path) -> None:
         """Write a file that ``load_damage_table`` reads."""
