@@ -1,15 +1,15 @@
 """Tables of a size of damage: fatigue of the axle by distance, and peak force, over size, speed and load.
 
-Each entry is a run over some distance, counted at the points of the turning axle. The entries between which a passage
-lies are interpolated: the logarithm of damage, and peaks, linearly over each axis. So a fleet needs no simulation for
-each of its wheelsets, and a passage costs a look-up.
+Each entry is a run over some distance, counted at the points of the turning axle. A passage between entries is
+interpolated linearly over each axis: peaks, and the logarithm of damage over the logarithm of the load, of which damage
+without defects is a power. So a fleet needs no simulation for each of its wheelsets, and a passage costs a look-up.
 """
 
 from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -72,7 +72,7 @@ class DamageTable:
 
         Raises InputError for what lies outside the table.
         """
-        return np.exp(_interpolated(self, np.log(np.maximum(self.damage, LEAST)), size, speed, load))
+        return np.exp(_interpolated(self, np.log(np.maximum(self.damage, LEAST)), size, speed, load, np.log))
 
     def peak_of(self, size: ArrayLike, speed: ArrayLike, load: ArrayLike) -> Real:
         """Quantiles of the peak force of a turn, (..., quantiles), N; raises InputError likewise."""
@@ -230,8 +230,15 @@ def _entry(simulator: Simulator, row: _Row) -> tuple[Real, Real]:
     return np.array(damage), np.quantile(by_turn, SHARES)
 
 
-def _interpolated(table: DamageTable, values: Real, size: ArrayLike, speed: ArrayLike, load: ArrayLike) -> Real:
-    """Values (S, V, P, n) between the entries, (..., n): linear along each axis."""
+def _interpolated(
+    table: DamageTable,
+    values: Real,
+    size: ArrayLike,
+    speed: ArrayLike,
+    load: ArrayLike,
+    of_load: Callable[[Any], Any] = np.asarray,
+) -> Real:
+    """Values (S, V, P, n) between the entries, (..., n): linear along each axis, and over a function of the load."""
     places, weights = [], []
     for name, axis, wanted in zip(
         (table.key, "speed", "axle_load"), (table.sizes, table.speeds, table.loads), (size, speed, load), strict=True
@@ -244,7 +251,9 @@ def _interpolated(table: DamageTable, values: Real, size: ArrayLike, speed: Arra
             )
         below = np.clip(np.searchsorted(axis, at, side="right") - 1, 0, len(axis) - 2)
         places.append(below)
-        weights.append((at - axis[below]) / (axis[below + 1] - axis[below]))
+        scale = of_load if axis is table.loads else np.asarray
+        here, low, high = (scale(each) for each in (at, axis[below], axis[below + 1]))
+        weights.append((here - low) / (high - low))
     total: Any = 0.0
     for corner in np.ndindex(2, 2, 2):
         entry = tuple(place + step for place, step in zip(places, corner, strict=True))
