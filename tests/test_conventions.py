@@ -118,7 +118,7 @@ def test_every_import_has_its_dependency_and_every_dependency_is_imported():
     optional = set(
         re.findall(
             r"^[\w.-]+",
-            "\n".join(extras[name] for name in ("prometheus", "report", "dask", "analysis", "completion")),
+            "\n".join(extras[name] for name in ("prometheus", "report", "explore", "dask", "analysis", "completion")),
             re.M,
         )
     )

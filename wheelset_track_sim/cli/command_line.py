@@ -19,6 +19,7 @@ from .parsers import (
     crack,
     dataset,
     demo,
+    explore,
     fatigue,
     identify,
     info,
@@ -46,7 +47,8 @@ COMMANDS = (
     *(listing.add, init.add, run.add, show.add, study.add, mapping.add, dataset.add),
     *(nodes.add_node, report.add, nodes.add_replay),
     *(nodes.add_get, nodes.add_set, nodes.add_call, nodes.add_echo, resimulate.add, recover.add, info.add),
-    *(compare.add, stress.add, spectrum.add, fatigue.add, crack.add, wayside.add, identify.add, cache.add, demo.add),
+    *(compare.add, stress.add, spectrum.add, fatigue.add, crack.add, wayside.add, identify.add),
+    *(explore.add, cache.add, demo.add),
 )
 """What adds a command each, in the order of the help."""
 
