@@ -12,10 +12,11 @@ import time
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import wheelset_track_sim as wts
 from wheelset_track_sim.fatigue.curve import load_curve
-from wheelset_track_sim.studies.damage_table import build_damage_table, load_damage_table
+from wheelset_track_sim.studies.damage_table import DamageTable, build_damage_table, load_damage_table
 
 SIZES = (0.0, 0.02, 0.03, 0.04, 0.05, 0.06)  # m
 SPEEDS = tuple(speed / 3.6 for speed in (60, 70, 80, 90, 100, 110, 120))
@@ -48,7 +49,7 @@ def main(wheelsets: str = "1000", days: str = "100", file: str = "flats.npz") ->
         true += DAILY * table.damage_of(lengths, speeds, loads)[:, 0]
         begun = time.process_time()
         for axle in range(count):  # one passage after the other, as they come in
-            found = table.size_of(read[axle], speeds[axle], loads[axle])
+            found = table.size_of(read[axle], speeds[axle], loads[axle], NOISE)
             ledger[axle] += DAILY * table.damage_of(found.estimate, speeds[axle], loads[axle])[0]
             flats += lengths[axle] > 0
             inside += lengths[axle] > 0 and found.low <= lengths[axle] <= found.high
@@ -65,7 +66,30 @@ def main(wheelsets: str = "1000", days: str = "100", file: str = "flats.npz") ->
     print(f"{damaged.sum()} with flats: {result['damaged_to_sound']:.1f} times the damage of sound ones at A1")
     print(f"ledger: {result['ledger_to_true']:.2f} of their true damage; {100 * result['inside']:.0f} % of the "
           "intervals hold the length")  # fmt: skip
+    draw(table, 1e3 * lengths, true, ledger)
     return result
+
+
+def draw(table: DamageTable, lengths: np.ndarray, true: np.ndarray, ledger: np.ndarray) -> None:
+    """Write fleet.png: damage over length, mm, and speed beside sound wheels; the ledger over the true damage."""
+    figure = Figure(figsize=(9.6, 3.9), dpi=125, layout="constrained")
+    of_table, of_fleet = figure.subplots(1, 2)
+    middle = len(table.loads) // 2
+    ratio = table.damage[:, :, middle, 0] / table.damage[0, :, middle, 0]
+    mesh = of_table.contourf(3.6 * table.speeds, 1e3 * table.sizes, ratio, 12)
+    figure.colorbar(mesh, ax=of_table, label="damage a kilometre over that of sound wheels, A1")
+    of_table.set_xlabel("speed (km/h)")
+    of_table.set_ylabel("length of the flat (mm)")
+    of_table.set_title(f"Table at {table.loads[middle] / 9810:.3g} t", fontsize=10, loc="left")
+    sound = true[lengths == 0.0].mean()
+    marks = of_fleet.scatter(true / sound, ledger / sound, c=lengths, s=8, cmap="viridis")
+    figure.colorbar(marks, ax=of_fleet, label="length at the end (mm)")
+    most = float((true / sound).max())
+    of_fleet.plot([0, most], [0, most], color="#888888", linewidth=0.8)
+    of_fleet.set_xlabel("true damage, sound wheelsets 1")
+    of_fleet.set_ylabel("ledger")
+    of_fleet.set_title(f"{len(true)} wheelsets", fontsize=10, loc="left")
+    figure.savefig("fleet.png")
 
 
 if __name__ == "__main__":

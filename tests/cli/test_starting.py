@@ -13,6 +13,7 @@ import pytest
 
 from wheelset_track_sim.cli import command_line, main
 from wheelset_track_sim.fatigue.curve import load_curve
+from wheelset_track_sim.fatigue.findley import load_findley
 from wheelset_track_sim.fatigue.growth import load_crack_growth
 from wheelset_track_sim.fatigue.mission import load_mission
 from wheelset_track_sim.inputs import shipped
@@ -27,6 +28,7 @@ LOADS = {
     "cracks": load_crack_growth,
     "limits": load_limits,
     "missions": load_mission,
+    "criteria": load_findley,
     "scenarios": load_scenario,
     "studies": load_study,
     "tracks": load_track,

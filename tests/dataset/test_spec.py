@@ -63,6 +63,8 @@ def test_a_spec_read_from_its_plain_data_is_equal(plain_spec):
         ({"set": {"track.line": {"bays": 60}}}, "scenario.track.line has no place in a data set: leave it out"),
         ({"set": {"dynamics": "paper"}}, "sensors read the modes of causal dynamics"),
         ({"split": {"train": 0.9}}, r"split: train \+ validation \+ test = 1.2: give shares that add up to 1"),
+        ({"detector": "shear"}, "detector = 'shear' is not a known detector"),
+        ({"detector": "shear_array"}, "duration = 0.25 s at 16.6667 m/s is 4.17 m, and detector shear_array needs"),
         ({"pad_scatter": 2}, "pad_scatter = 2 is out of range: give the coefficient of variation"),
     ],
 )

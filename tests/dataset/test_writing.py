@@ -33,7 +33,6 @@ SPEC = {
     "wheelsets": 2,
     "damage": [{"type": "none"}, {"type": "flat"}, {"type": "breakout"}, {"type": "worn_flat"}],
 }
-ONE = Resources(workers=1)
 
 
 def files(folder):
@@ -44,7 +43,7 @@ def files(folder):
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("data") / "one.zarr"
-    card = write_dataset(read(DatasetSpec, SPEC, ""), folder, samples=4, seed=4, resources=ONE)
+    card = write_dataset(read(DatasetSpec, SPEC, ""), folder, samples=4, seed=4, resources=Resources(workers=2))
     return folder, card
 
 
@@ -72,14 +71,14 @@ def test_labels_and_card_say_what_is_there(written):
 @pytest.mark.slow
 def test_a_sample_is_rebuilt_from_its_label_bit_for_bit(written):
     folder, _ = written
-    for sample in (0, 3):
-        again, there = rebuild(folder, sample), stored(folder, sample)
-        assert again.keys() == there.keys()
-        assert all(again[name].tobytes() == there[name].tobytes() for name in again)
+    again, there = rebuild(folder, 3), stored(folder, 3)
+    assert again.keys() == there.keys()
+    assert all(again[name].tobytes() == there[name].tobytes() for name in again)
 
 
 @pytest.mark.slow
-def test_a_killed_data_set_goes_on_where_it_was_with_any_number_of_workers(written, tmp_path):
+def test_a_killed_data_set_goes_on_where_it_was_on_dask_with_the_same_bytes(written, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="the extra dask brings distributed")
     folder, _ = written
     (tmp_path / "spec.yaml").write_text(dump(SPEC))
     command = [sys.executable, "-m", "wheelset_track_sim", "dataset", str(tmp_path / "spec.yaml")]
@@ -95,19 +94,11 @@ def test_a_killed_data_set_goes_on_where_it_was_with_any_number_of_workers(writt
     begun = first.stat().st_mtime_ns
     with pytest.raises(InputError, match=r"is no complete data set .*: give one with a card.json"):
         rebuild(tmp_path / "killed.zarr", 0)
-    assert subprocess.run([*command[:-1], "2"], cwd=ROOT, capture_output=True).returncode == 0
-    assert first.stat().st_mtime_ns == begun
-    assert files(tmp_path / "killed.zarr") == files(folder)
-
-
-@pytest.mark.slow
-def test_a_dask_cluster_writes_the_same_bytes(written, tmp_path):
-    distributed = pytest.importorskip("distributed", reason="the extra dask brings distributed")
-    folder, _ = written
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as here:
         resources = Resources(scheduler=here.scheduler_address)
-        write_dataset(read(DatasetSpec, SPEC, ""), tmp_path / "dask.zarr", samples=4, seed=4, resources=resources)
-    assert files(tmp_path / "dask.zarr") == files(folder)
+        write_dataset(read(DatasetSpec, SPEC, ""), tmp_path / "killed.zarr", samples=4, seed=4, resources=resources)
+    assert first.stat().st_mtime_ns == begun
+    assert files(tmp_path / "killed.zarr") == files(folder)
 
 
 @pytest.mark.slow
@@ -135,6 +126,21 @@ def test_damage_is_seen_at_the_box_of_its_wheel_and_noise_changes_with_its_seed(
     assert np.array_equal(*found["contact_force"][:2])
     difference = np.subtract(*found["axle_box_acceleration"][:2])
     assert difference.std() == pytest.approx(np.sqrt(2) * 2.0, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_detector_reads_the_load_of_both_wheels_while_they_are_over_it():
+    changes = {"damage": [{"type": "none"}], "detector": "shear_single", "detector_noise": 0.0, "joint": {"share": 0.0}}
+    spec = read(DatasetSpec, SPEC | changes | {"wheel_roughness": None, "duration": 0.15}, "")
+    label = group(spec, 1, 0, 1)[0]
+    read_out = simulate(Passing(spec, (label,)), program())["wayside/shear_single"][0]
+    known = np.isfinite(read_out[0])
+    assert read_out.shape == (2, spec.detector_samples)
+    assert known.sum() > 0.8 * read_out.shape[1]
+    assert known[: known.sum()].all()
+    over = read_out[:, read_out[0] > 0.25 * label.axle_load]
+    assert over.mean(axis=1) == pytest.approx(label.axle_load / 2, rel=0.03)
+    assert np.abs(read_out[:, 0]) == pytest.approx(0.0, abs=0.05 * label.axle_load)
 
 
 def test_another_program_is_refused():

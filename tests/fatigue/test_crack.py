@@ -38,7 +38,24 @@ def test_paris_with_a_constant_factor_has_its_closed_form(monkeypatch):
         assert life.left == pytest.approx(cycles * CIRCUMFERENCE, rel=1e-4)
 
 
-def test_cycles_add_up_and_halves_do_not_matter():
+def test_growth_cycle_by_cycle_is_the_integral_over_the_spectrum():
+    """Two kinds of cycles by turns, one after the other, each growing the crack a little."""
+    law = dataclasses.replace(PLAIN, rate=1e-7, toughness=30e6)
+    kinds = [turning(80e6), turning(60e6, mean=10e6)]
+    half = [CrackSpectrum(each.span, each.mean, each.per_metre / 2) for each in kinds]
+    both = CrackSpectrum(
+        *(np.concatenate(pair) for pair in zip(vars(half[0]).values(), vars(half[1]).values(), strict=True))
+    )
+    life = crack_life(both, law, 0.005, DIAMETER)
+    depth, cycles = np.array([0.005]), 0
+    while depth[0] < life.depth[-1]:
+        depth = depth + CIRCUMFERENCE * growth_per_metre(kinds[cycles % 2], law, depth, DIAMETER)
+        cycles += 1
+    assert 200 < cycles < 500
+    assert life.left == pytest.approx(cycles * CIRCUMFERENCE, rel=1e-2)
+
+
+def test_cycles_add_up():
     one, other = turning(80e6), turning(60e6, mean=15e6)
     both = CrackSpectrum(*(np.concatenate(pair) for pair in zip(vars(one).values(), vars(other).values(), strict=True)))
     depths = np.array([0.002, 0.02, 0.08])

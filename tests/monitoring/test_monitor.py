@@ -9,13 +9,12 @@ from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
 from wheelset_track_sim.monitoring.limits import Limits
 from wheelset_track_sim.monitoring.monitor import Monitor
-from wheelset_track_sim.monitoring.status import Level
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.impacts import Impact
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.samples.turns import NO_TURN, TurnPeaks
 from wheelset_track_sim.scenario import load_scenario
-from wheelset_track_sim.verdict.limit_set import load_limits
+from wheelset_track_sim.verdict.limit_set import Level, load_limits
 
 STATIC = 100e3
 TURN = 100

@@ -18,18 +18,18 @@ SIZES, SPEEDS, LOADS = np.array([0.0, 0.02, 0.04]), np.array([20.0, 30.0]), np.a
 
 @pytest.fixture
 def table():
-    """Peaks are linear in all three, and so is the logarithm of damage."""
+    """Peaks are linear in all three; damage is a power of the load, and its logarithm linear in the others."""
     size, speed, load = np.meshgrid(SIZES, SPEEDS, LOADS, indexing="ij")
     linear = 0.5 * load + 1e3 * speed + 2e6 * size
     peaks = np.stack([0.9 * linear, linear, 1.1 * linear], axis=-1)
-    damage = np.exp(-20.0 + 50.0 * size + 0.01 * speed + 1e-6 * load)[..., np.newaxis]
+    damage = (1e-30 * load**5 * np.exp(50.0 * size + 0.01 * speed))[..., np.newaxis]
     return DamageTable("irregularities.0.length", SIZES, SPEEDS, LOADS, ("A1",), damage, peaks)
 
 
 def test_between_the_entries_it_is_what_it_is_of(table):
     sizes, speeds, loads = np.array([0.0, 0.01, 0.033]), np.array([20.0, 27.0, 30.0]), np.array([1e5, 1.7e5, 2e5])
     damage = table.damage_of(sizes, speeds, loads)
-    assert damage[:, 0] == pytest.approx(np.exp(-20.0 + 50.0 * sizes + 0.01 * speeds + 1e-6 * loads))
+    assert damage[:, 0] == pytest.approx(1e-30 * loads**5 * np.exp(50.0 * sizes + 0.01 * speeds))
     peaks = table.peak_of(sizes, speeds, loads)
     assert peaks[:, 1] == pytest.approx(0.5 * loads + 1e3 * speeds + 2e6 * sizes)
 
@@ -38,6 +38,8 @@ def test_a_size_follows_from_its_peak(table):
     found = table.size_of(float(table.peak_of(0.03, 25.0, 1.5e5)[1]), 25.0, 1.5e5)
     assert found.estimate == pytest.approx(0.03)
     assert (found.low, found.high) == pytest.approx((0.0227272727, 0.0388888889))
+    noisy = table.size_of(float(table.peak_of(0.03, 25.0, 1.5e5)[1]), 25.0, 1.5e5, 0.01)
+    assert noisy.low < found.low < noisy.estimate == found.estimate < found.high < noisy.high
     assert table.size_of(1e3, 25.0, 1.5e5).estimate == 0.0
 
 

@@ -1,4 +1,5 @@
 import dataclasses
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -195,8 +196,8 @@ def test_the_papers_values_stand_beside_its_own_cases_alone() -> None:
 
 def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
     text = (ROOT / "docs" / "reference" / "studies.md").read_text().partition("## A study of your own\n")[2]
-    lines = [line[4:] for line in text.splitlines() if line.startswith("    ")]
-    (tmp_path / "mine.yaml").write_text("\n".join(lines))
+    block = text[text.index("    title: ") :].partition("\n\n")[0]
+    (tmp_path / "mine.yaml").write_text(textwrap.dedent(block))
     runs = load_study(tmp_path / "mine.yaml").runs()
     assert len(runs) == 2 * 5 * 2
     assert {run.scenario.track.pad.stiffness for run in runs} == {300e6}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,7 +43,7 @@ class Book:
         known = (self._fatigue.next_step or 0) - block.first_step
         if known >= len(block):
             return
-        self._fatigue.push(_rest(block, known) if known > 0 else block)
+        self._fatigue.push(block.part(max(known, 0), len(block)))
         if self._fatigue.steps - self._kept >= self._every:
             self._keep(finished=False)
             self._kept = self._fatigue.steps
@@ -58,16 +57,3 @@ class Book:
         entry = LedgerEntry.of(self._fatigue, booking.axle, booking.run, self._name, finished=finished)
         with changed_ledger(booking.ledger, self._basis) as ledger:
             return ledger.put(entry)
-
-
-def _rest(block: SampleBlock, samples: int) -> SampleBlock:
-    """A block without its first samples."""
-    return dataclasses.replace(
-        block,
-        first_step=block.first_step + samples,
-        time=block.time + samples * block.step_period,
-        position=block.position + samples * block.step_period * block.speed,
-        forces=block.forces[samples:],
-        stresses=block.stresses[samples:],
-        sensors={},
-    )

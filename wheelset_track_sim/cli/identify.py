@@ -12,11 +12,11 @@ from rich.table import Table
 
 from ..errors import InputError, warn
 from ..fatigue.curve import load_curve
-from ..identify.files import Given, read_observation
-from ..identify.identification import SHAPE_ERROR, TRACK_ERROR, identify
-from ..identify.observation import Observation, PeakReading
-from ..identify.prediction import Prediction, predict
-from ..identify.results import EXPLAINS, LEAST, Identification, Interval
+from ..identification.files import Given, read_observation
+from ..identification.kind_fits import TRACK_ERROR, identify
+from ..identification.observation import Observation, PeakReading
+from ..identification.prediction import Prediction, predict
+from ..identification.results import EXPLAINS, LEAST, Identification, Interval
 from ..inputs.amounts import in_unit
 from ..report.figures import check_picture
 from ..report.identified import draw_identification
@@ -40,7 +40,6 @@ class Options:
     speeds: Sequence[float] = ()
     """Of each file of data, or one for all, m/s."""
     track_error: float = TRACK_ERROR
-    shape_error: float = SHAPE_ERROR
     out: Path | None = None
     picture: Path | None = None
     overwrite: bool = False
@@ -77,7 +76,6 @@ def run_identify(
             options.kinds,
             wheel=given.wheel or "wheel_1",
             track_error=options.track_error,
-            shape_error=options.shape_error,
             seed=options.seed,
             progress=progress,
         )
@@ -119,7 +117,7 @@ def _data(
         own = options.scenario is not None or bool(options.changes)
         speed: float = options.speeds[0] if options.speeds else named.speed if own else SPEED
         load = given.axle_load or (named.axle_load if own else AXLE_LOAD)
-        further = {name: value for name, value in given.further().items() if name != "speed_error"}
+        further = {name: value for name, value in given.further().items() if name in ("noise", "gain_error")}
         return _undamaged(named), PeakReading(force, speed, load, **further)
     if len(options.speeds) not in (0, 1, len(paths)):
         raise InputError(

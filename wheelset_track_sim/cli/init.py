@@ -19,6 +19,7 @@ NEXT = {
     "missions": "fatigue damage_wheel_1 --mission {file}",
     "datasets": "dataset {file} --samples 64 --seed 1 --out damage.zarr",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
+    "criteria": "fatigue press_fit --criterion {file}",
     "cracks": "crack damage_wheel_1 --depth '2 mm' --growth {file}",
 }
 """Commands that use a file of a kind."""

@@ -10,14 +10,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..errors import ContactError, WheelsetTrackError, recorded_input
 from ..irregularities import Irregularity, Joint, Roughness
 from ..runtime import sources
-from ..runtime.arrays import Single
+from ..runtime.arrays import Real, Single
 from ..samples.block import SampleBlock
 from ..samples.decimation import REACH
 from ..scenario import WHEELS, Scenario
@@ -27,6 +27,8 @@ from ..simulation.models import load_models
 from ..simulation.simulator import Simulator
 from ..track.supports import Scatter, SupportLine
 from ..version import __version__
+from ..wayside.detector import Detector
+from ..wayside.history import wayside_reading
 from .damage import irregularity
 from .labels import LINE_BAYS, Label
 from .spec import FORCES, DatasetSpec
@@ -66,9 +68,34 @@ def program() -> str:
     return sources.program(__name__)
 
 
-def signals_of(spec: DatasetSpec) -> list[Any]:
-    """What has an array each: contact forces, then the sensors."""
-    return [ContactForces(rate=spec.rate), *spec.sensors]
+class Signals(NamedTuple):
+    """An array of signals."""
+
+    topic: str
+    channels: tuple[str, ...]
+    unit: str
+    values: int
+    """Of each channel of a sample."""
+    rate: float
+    """Hz"""
+
+
+def signals_of(spec: DatasetSpec) -> list[Signals]:
+    """What has an array each: contact forces, the sensors, and the detector if there is one."""
+    found = [
+        Signals(each.topic, each.channels, each.unit, spec.samples, spec.rate)
+        for each in (ContactForces(rate=spec.rate), *spec.sensors)
+    ]
+    if spec.detector is not None:
+        names = tuple(channel.name for channel in spec.detector.channels)
+        units = ", ".join(dict.fromkeys(channel.unit for channel in spec.detector.channels))
+        found.append(Signals(topic_of(spec.detector), names, units, spec.detector_samples, spec.detector.rate))
+    return found
+
+
+def topic_of(detector: Detector) -> str:
+    """Name of the array of a detector."""
+    return f"wayside/{detector.name}"
 
 
 def simulate(passing: Passing, made_for: str) -> dict[str, Single]:
@@ -82,7 +109,7 @@ def simulate(passing: Passing, made_for: str) -> dict[str, Single]:
         )
     spec, first = passing.spec, passing.labels[0]
     arrays = {
-        each.topic: np.full((len(passing.labels), len(each.channels), spec.samples), np.nan, np.float32)
+        each.topic: np.full((len(passing.labels), len(each.channels), each.values), np.nan, np.float32)
         for each in signals_of(spec)
     }
     arrays[PEAKS] = np.full((len(passing.labels), 2), np.nan, np.float32)
@@ -90,15 +117,19 @@ def simulate(passing: Passing, made_for: str) -> dict[str, Single]:
         scenario = site(spec, first)
         run = Simulator(scenario, models=load_models(scenario, tables="smooth"))
         run.settle()
+        before = [np.zeros((0, 2))]
         for row, label in enumerate(passing.labels):
             while run.next_step < label.start_step:
-                run.advance(label.start_step - run.next_step)
+                before.append(run.advance(label.start_step - run.next_step).forces)
             try:
                 block = _passed(spec, run.branch(), label)
             except ContactError:
                 continue
             for name, values in _read(spec, run, block, label).items():
                 arrays[name][row] = values
+            if spec.detector is not None:
+                read = _detected(spec, spec.detector, np.concatenate([*before, block.forces]), label)
+                arrays[topic_of(spec.detector)][row, :, : read.shape[1]] = read
             arrays[PEAKS][row] = block.forces.max(axis=0)
     return arrays
 
@@ -148,11 +179,35 @@ def _read(spec: DatasetSpec, run: Simulator, block: SampleBlock, label: Label) -
     """Signals (channels, values) by array, noise included."""
     block = dataclasses.replace(block, sensors={**block.sensors, FORCES: block.forces})
     found = {}
-    for each in signals_of(spec):
-        sensor = dataclasses.replace(each, seed=label.noise_seed)
+    for each in (ContactForces(rate=spec.rate), *spec.sensors):
+        sensor: Any = dataclasses.replace(each, seed=label.noise_seed)
         reader = SensorReader(sensor, run.steps_per_revolution, run.models.tread_origin)
         chunks = [*reader.push(block, sensor), *reader.finish()]
         values = [np.concatenate([chunk.values[name] for chunk in chunks]) for name in each.channels]
         # The low pass of the first ones has steps on one side only.
         found[each.topic] = np.array(values)[:, REACH : REACH + spec.samples].astype(np.float32)
     return found
+
+
+def detector_position(spec: DatasetSpec, detector: Detector, label: Label) -> float:
+    """Where the detector stands: at the first bay from which on it reads nothing before the sample, m."""
+    track, start = spec.base.track, label.start_step * spec.base.step_length
+    before = detector.reach - detector.ends(track)[0]
+    return track.spacing * math.ceil((start + REACH / spec.rate * label.speed + before) / track.spacing)
+
+
+def _detected(spec: DatasetSpec, detector: Detector, forces: Real, label: Label) -> Single:
+    """What the detector reads (channels, values), noise included, from the forces (steps, 2) since step 0, N."""
+    base = spec.base
+    reading = wayside_reading(
+        detector,
+        base.track,
+        detector_position(spec, detector, label),
+        forces,
+        speed=label.speed,
+        step_length=base.step_length,
+    )
+    values = reading.values.T
+    noise = np.random.default_rng([label.noise_seed, 1]).standard_normal(values.shape)
+    largest = np.abs(values).max(axis=1, keepdims=True)
+    return np.asarray(values + spec.detector_noise * largest * noise, dtype=np.float32)

@@ -16,6 +16,7 @@ from ..inputs.schema import check, confirmed_numbers, keyed, parsed, plain, quan
 from ..scenario import Scenario, assign, find_beside, load_scenario, scenario_from, suspect, take_in
 from ..sensors.kinds import Sensor
 from ..studies.distributions import Distribution
+from ..wayside.detector import Detector, check_place, plain_detector, read_detector
 from .damage import BreakoutDamage, DamageKind, FlatDamage, NoDamage, WornFlatDamage
 from .drawn import Drawn, drawn, highest, lowest
 
@@ -108,6 +109,15 @@ class DatasetSpec:
         ),
     )
     """As in a scenario; without ``rate`` they have that of the data set."""
+    detector: Detector | None = parsed(
+        lambda data, where: None if data is None else read_detector(data, where),
+        lambda detector: None if detector is None else plain_detector(detector),
+        default=None,
+    )
+    """Beside the track, with the bays of the site but without their scatter; a shipped one by name, or a mapping."""
+    detector_noise: float = quantity(
+        "", 0.0, 1.0, "the standard deviation of its noise, as a share of the largest value of a channel", default=0.01
+    )
     wheelsets: int = quantity("", 1, 256, "the number of wheelsets of a train", default=16)
     passages: int = quantity("", 1, 256, "the number of passages of each train", default=2)
     split: Split = field(default_factory=Split)
@@ -124,7 +134,12 @@ class DatasetSpec:
             raise InputError("damage has no kind with a weight above 0: give at least one, such as {type: flat}")
         object.__setattr__(self, "sensors", self._sensors(self.sensors))
         base = self.base  # read now, so that a data set that exists can be written
-        for name, value in (("speed_plan", base.speed_plan), ("events", base.events), ("track.line", base.track.line)):
+        for name, value in (
+            ("speed_plan", base.speed_plan),
+            ("events", base.events),
+            ("track.line", base.track.line),
+            ("wayside", base.wayside),
+        ):
             if value:
                 raise InputError(f"scenario.{name} has no place in a data set: leave it out")
         if base.dynamics != "causal":
@@ -137,6 +152,34 @@ class DatasetSpec:
                 f"duration = {self.duration:g} s at {lowest(self.speed):g} m/s is less than a turn of {turn:.3g} m, so "
                 f"that damage may not meet the rail: give {turn / lowest(self.speed):.3g} s or more, or higher speeds"
             )
+
+        if self.detector is not None:
+            self._check_detector(self.detector, base)
+
+    def _check_detector(self, detector: Detector, base: Scenario) -> None:
+        """Raise InputError for a detector that does not fit the track, or that a sample does not pass as a whole."""
+        spacing, slowest = base.track.spacing, lowest(self.speed)
+        check_place(detector, base.track, spacing * 100, slowest / base.step_length)
+        needed = self.detector_track + 2 * spacing
+        if self.duration * slowest < needed:
+            raise InputError(
+                f"duration = {self.duration:g} s at {slowest:g} m/s is {self.duration * slowest:.3g} m, and detector "
+                f"{detector.name} needs {needed:.3g} m: give {needed / slowest:.3g} s or more, or a shorter detector"
+            )
+
+    @property
+    def detector_track(self) -> float:
+        """Track over which the detector reads, m; 0 without one."""
+        if self.detector is None:
+            return 0.0
+        first, last = self.detector.ends(self.base.track)
+        return last - first + 2 * self.detector.reach
+
+    @property
+    def detector_samples(self) -> int:
+        """Values of a channel of the detector at the lowest speed; at higher ones the last are NaN."""
+        rate = self.detector.rate if self.detector else 0.0
+        return math.ceil(self.detector_track / lowest(self.speed) * rate) + 2
 
     def _sensors(self, given: Any) -> tuple[Sensor, ...]:
         """Sensors at the rate of the data set, from plain data or themselves; raises InputError."""

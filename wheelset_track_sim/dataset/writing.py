@@ -19,7 +19,6 @@ from ..inputs.yaml12 import dump
 from ..runtime.arrays import Single
 from ..runtime.cache import digest
 from ..runtime.cores import cores
-from ..runtime.output_files import file_name
 from ..runtime.progress import Progress
 from ..simulation.models import load_models
 from ..studies.conduct import Resources
@@ -27,7 +26,7 @@ from ..studies.workers import on_cluster, on_this_machine
 from ..version import __version__
 from .card import CARD, PAGE, card_of, page_of
 from .labels import COLUMNS, Label, group, labels
-from .passing import PEAKS, Passing, program, signals_of, simulate, site
+from .passing import PEAKS, Passing, detector_position, program, signals_of, simulate, site
 from .spec import DatasetSpec
 from .store import ArrayPlan, ChunkStore, dumped
 
@@ -109,10 +108,10 @@ def store_of(spec: DatasetSpec, out: Path, samples: int, seed: int) -> ChunkStor
     """Folder of a data set, with what tells it from others."""
     plans = {
         each.topic: ArrayPlan(
-            (samples, len(each.channels), spec.samples),
+            (samples, len(each.channels), each.values),
             spec.wheelsets,
-            ("sample", f"channel_of_{file_name(each.topic.replace('/', '_'))}", "time"),
-            {"channels": list(each.channels), "units": each.unit, "rate_Hz": spec.rate},
+            ("sample", *(f"{dimension}_of_{each.topic.replace('/', '_')}" for dimension in ("channel", "time"))),
+            {"channels": list(each.channels), "units": each.unit, "rate_Hz": each.rate},
         )
         for each in signals_of(spec)
     }
@@ -217,6 +216,8 @@ def _finish(spec: DatasetSpec, store: ChunkStore, samples: int, seed: int) -> di
     peaks = np.concatenate([store.load(PEAKS, chunk) for chunk in range(-(-samples // spec.wheelsets))])
     columns: dict[str, Any] = {name: [getattr(label, name) for label in found] for name in COLUMNS}
     columns |= {f"{PEAKS}_{wheel + 1}": peaks[:, wheel] for wheel in range(2)}
+    if (detector := spec.detector) is not None:
+        columns["detector_position"] = [detector_position(spec, detector, label) for label in found]
     units = {"units": json.dumps(UNITS), "title": spec.title, "licence": spec.licence}
     table = pyarrow.table(columns).replace_schema_metadata(units)
     temporary = store.folder / f"{LABELS}.tmp"
@@ -235,7 +236,7 @@ def _finish(spec: DatasetSpec, store: ChunkStore, samples: int, seed: int) -> di
 
 
 UNITS = (
-    dict.fromkeys(("length", "worn_length", "a", "b", "h", "y", "joint_position"), "m")
+    dict.fromkeys(("length", "worn_length", "a", "b", "h", "y", "joint_position", "detector_position"), "m")
     | {"angle": "rad", "speed": "m/s", "axle_load": "N", "wheel_roughness": "dB", "rail_roughness": "dB"}
     | {"joint_dip_angle": "rad", f"{PEAKS}_1": "N", f"{PEAKS}_2": "N"}
 )

@@ -40,6 +40,10 @@ class Curve:
     survival_probability: float = quantity("", 1e-6, 1.0 - 1e-12, "the survival probability of the curve")
     second_slope: float | None = quantity("", 1.0, 1000.0, "the slope below the knee", default=None)
     """Without one, only the rules of Miner say what happens below the knee."""
+    amplitude_scatter: float | None = quantity(
+        "", 1.0 + 1e-6, 10.0, "the ratio of the amplitudes that 10 % and 90 % survive", default=None
+    )
+    """See ``scatter``; without it, there is no band over scatter and no failure probability."""
     mean_stress: Literal["none", "fkm"] = "none"
     """``none`` ignores the mean; ``fkm`` uses ``mean_stress_sensitivity`` as ``equivalent_amplitude`` says."""
     mean_stress_sensitivity: float = quantity("", 0.0, 1.0, "the mean stress sensitivity M", default=0.0)

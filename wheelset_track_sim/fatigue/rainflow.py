@@ -42,6 +42,10 @@ class StressSpectrum:
     def __add__(self, other: StressSpectrum) -> StressSpectrum:
         return StressSpectrum(**{key.name: getattr(self, key.name) + getattr(other, key.name) for key in fields(self)})
 
+    def channel(self, number: int) -> StressSpectrum:
+        """Spectrum of one channel, with C = 1."""
+        return StressSpectrum(**{key.name: getattr(self, key.name)[number : number + 1] for key in fields(self)})
+
     @property
     def cycles(self) -> Real:
         """(C,) cycles; those of the residue count half."""

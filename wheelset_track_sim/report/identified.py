@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..identify.kinds import KINDS
-from ..identify.observation import Signal
-from ..identify.results import LEAST, Band, Identification, KindFit
+from ..identification.kinds import KINDS
+from ..identification.observation import Signal
+from ..identification.results import LEAST, Band, Identification, KindFit
 from .figures import COLOURS, new_figure, write_picture
 
 SIZES: dict[Signal, tuple[str, float]] = {

@@ -103,7 +103,8 @@ def over_time(run: Survey, plot: str) -> str:
             f"so that no peak is lost, and every step within about one turn of the wheel around the "
             f"{len(run.closeups)} largest forces."
         )
-    known = ", ".join(f"{name} {force / 1e3:.4g} kN" for name, force in force_lines(run).items())
+    marked = force_lines(run).items()
+    known = ", ".join(name if name.endswith(" kN") else f"{name} {force / 1e3:.4g} kN" for name, force in marked)
     lines = f"Lines: {escape(known)}, as far as forces reach them. " if known else ""
     stress = "Stress is the maximum principal stress. " if run.nodes else ""
     return (

@@ -1,15 +1,15 @@
 """Tables of a size of damage: fatigue of the axle by distance, and peak force, over size, speed and load.
 
-Each entry is a run over some distance, counted at the points of the turning axle. The entries between which a passage
-lies are interpolated: the logarithm of damage, and peaks, linearly over each axis. So a fleet needs no simulation for
-each of its wheelsets, and a passage costs a look-up.
+Each entry is a run over some distance, counted at the points of the turning axle. A passage between entries is
+interpolated linearly over each axis: peaks, and the logarithm of damage over the logarithm of the load, of which damage
+without defects is a power. So a fleet needs no simulation for each of its wheelsets, and a passage costs a look-up.
 """
 
 from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,6 +33,8 @@ from .workers import on_cluster, on_this_machine
 
 SHARES = (0.05, 0.5, 0.95)
 """Quantiles of the peaks of single turns that a table has: they scatter with the place on the bay that is hit."""
+NORMAL = 1.645
+"""Standard deviations on either side that hold 90 % of a normal distribution."""
 CHUNK = 5556
 """Steps simulated at once."""
 LEAST = 1e-30
@@ -40,7 +42,7 @@ LEAST = 1e-30
 
 
 class SizeInterval(NamedTuple):
-    """Size that a peak force means: estimate and interval of 90 %, by the scatter of peaks alone."""
+    """Size that a peak force means: estimate, and an interval of at least 90 %."""
 
     estimate: float
     low: float
@@ -70,21 +72,27 @@ class DamageTable:
 
         Raises InputError for what lies outside the table.
         """
-        return np.exp(_interpolated(self, np.log(np.maximum(self.damage, LEAST)), size, speed, load))
+        return np.exp(_interpolated(self, np.log(np.maximum(self.damage, LEAST)), size, speed, load, np.log))
 
     def peak_of(self, size: ArrayLike, speed: ArrayLike, load: ArrayLike) -> Real:
         """Quantiles of the peak force of a turn, (..., quantiles), N; raises InputError likewise."""
         return _interpolated(self, self.peaks, size, speed, load)
 
-    def size_of(self, peak: float, speed: float, load: float) -> SizeInterval:
-        """Size of a damage whose largest force in a turn was ``peak``, N; raises InputError for a speed outside.
+    def size_of(self, peak: float, speed: float, load: float, noise: float = 0.0) -> SizeInterval:
+        """Size of a damage whose largest force in a turn was read as ``peak``, N.
 
-        Peaks below those of the smallest size, or above those of the largest, mean that size.
+        The interval has the scatter of peaks by the place that is hit, and the error of the reading, whose standard
+        deviation is ``noise`` as a share of it. Peaks below those of the smallest size, or above those of the largest,
+        mean that size. Raises InputError for a speed or load outside the table.
         """
         count = len(self.sizes)
         curves = self.peak_of(self.sizes, np.full(count, speed), np.full(count, load))
-        ends = [float(np.interp(peak, np.maximum.accumulate(curve), self.sizes)) for curve in curves.T]
-        return SizeInterval(ends[1], ends[2], ends[0])
+        likely, least, most = peak, peak * (1.0 - NORMAL * noise), peak * (1.0 + NORMAL * noise)
+        high, middle, low = (
+            float(np.interp(force, np.maximum.accumulate(curve), self.sizes))
+            for force, curve in zip((most, likely, least), curves.T, strict=True)
+        )
+        return SizeInterval(middle, low, high)
 
     def save(self, path: str | Path) -> None:
         """Write a file that ``load_damage_table`` reads."""
@@ -222,8 +230,15 @@ def _entry(simulator: Simulator, row: _Row) -> tuple[Real, Real]:
     return np.array(damage), np.quantile(by_turn, SHARES)
 
 
-def _interpolated(table: DamageTable, values: Real, size: ArrayLike, speed: ArrayLike, load: ArrayLike) -> Real:
-    """Values (S, V, P, n) between the entries, (..., n): linear along each axis."""
+def _interpolated(
+    table: DamageTable,
+    values: Real,
+    size: ArrayLike,
+    speed: ArrayLike,
+    load: ArrayLike,
+    of_load: Callable[[Any], Any] = np.asarray,
+) -> Real:
+    """Values (S, V, P, n) between the entries, (..., n): linear along each axis, and over a function of the load."""
     places, weights = [], []
     for name, axis, wanted in zip(
         (table.key, "speed", "axle_load"), (table.sizes, table.speeds, table.loads), (size, speed, load), strict=True
@@ -236,7 +251,9 @@ def _interpolated(table: DamageTable, values: Real, size: ArrayLike, speed: Arra
             )
         below = np.clip(np.searchsorted(axis, at, side="right") - 1, 0, len(axis) - 2)
         places.append(below)
-        weights.append((at - axis[below]) / (axis[below + 1] - axis[below]))
+        scale = of_load if axis is table.loads else np.asarray
+        here, low, high = (scale(each) for each in (at, axis[below], axis[below + 1]))
+        weights.append((here - low) / (high - low))
     total: Any = 0.0
     for corner in np.ndindex(2, 2, 2):
         entry = tuple(place + step for place, step in zip(places, corner, strict=True))

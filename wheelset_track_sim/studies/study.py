@@ -16,8 +16,10 @@ from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
+from ..simulation.places import MOST
 from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
-from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
+from ..wayside.history import window
+from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, combinations, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
@@ -33,9 +35,10 @@ FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_modes": wheelset_modes.draw,
     "track_receptances": track_receptances.draw,
     "moving_green_functions": moving_green_functions.draw,
+    "blind_zone": blind_zone.draw,
 }
-"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
-returns what it wrote."""
+"""Figures that are drawn from the models, without runs of the study. A function writes them, and their tables, into a
+folder and returns what it wrote."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,8 @@ class Study:
     sampling: Sampling | None = None
     """How values are drawn along axes that are distributions; ``Sampling()`` if None."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
+    places: int = quantity("", 1, MOST, "the number of places of the bay at which each run is repeated", default=1)
+    """Outputs are medians over them then, with the smallest and the largest beside."""
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
@@ -116,6 +121,7 @@ class Study:
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
+        check(self)
         for name in ("set", "vary"):
             keyed(getattr(self, name), name)
         if not isinstance(self.scenario, (str, Path, Mapping)):
@@ -131,6 +137,12 @@ class Study:
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
         if nodes_of_fatigue(self.outputs) and not self.curve:
             raise InputError("curve is missing: name the S-N curve of the outputs of fatigue, such as assumed_body")
+        of_one = [*nodes_of_fatigue(self.outputs), *(name for name in self.outputs if name.startswith("wayside."))]
+        if of_one and self.places > 1:
+            raise InputError(
+                f"places = {self.places} is for forces and stresses, and outputs of fatigue and of detectors are of "
+                "one run: give 1"
+            )
         axes, _ = self.axes, self.sn_curve  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
@@ -199,16 +211,29 @@ class Study:
             take_in(data)
             with confirmed_numbers():
                 scenario = scenario_from(data)
-            self._check(scenario)
+            kept = (self.outputs, self.histories, self.pressures, self.sn_curve, self.places)
+            job = Job(scenario, self.window.before, self.window.after, *kept)
+            self._check(job)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures, self.sn_curve)
-        return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
+        return StudyRun(points, job)
 
-    def _check(self, scenario: Scenario) -> None:
+    def _check(self, job: Job) -> None:
         """Raise InputError for what the study asks of a run that it does not have."""
+        scenario = job.scenario
+        detectors = {
+            each.topic.partition("/")[2]: window(each.detector, scenario.track, each.position, scenario.step_length)[1]
+            for each in scenario.wayside
+        }
         for index, name in enumerate(self.outputs):
-            check_output(name, scenario.output.stress_nodes, f"outputs.{index}")
+            check_output(name, scenario.output.stress_nodes, f"outputs.{index}", [*detectors])
+            kind, of, _ = name.split(".")
+            if kind == "wayside" and (last := detectors[of]) >= (end := job.first_step + job.samples):
+                dx = scenario.step_length
+                raise InputError(
+                    f"window.after = {self.window.after:g} m ends before the wheelset has passed detector {of}: give "
+                    f"{self.window.after + (last + 1 - end) * dx:g} m or more"
+                )
         if self.window.before > scenario.reference_position + 1e-9:
             raise InputError(
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "

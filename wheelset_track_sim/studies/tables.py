@@ -59,6 +59,10 @@ def _tables(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
     columns["dynamics"] = [run.scenario.dynamics for run in results.runs]
     for name in results.study.outputs:
         columns[units.with_unit(label_of(name), unit_of(name))] = [results.value(index, name) for index in indices]
+    for name in results.study.outputs if results.study.places > 1 else ():
+        ends = [results.ends(index, name) for index in indices]
+        for column, word in enumerate(("smallest", "largest")):
+            columns[units.with_unit(f"{label_of(name)}, {word}", unit_of(name))] = [pair[column] for pair in ends]
     for name in results.study.outputs:
         paper = [results.published(index, name) for index in indices]
         if np.isfinite(paper).any():
@@ -103,7 +107,7 @@ def _runs(results: Results) -> ResultTable:
     shown = [units.for_people(unit_of(name)) for name in names]
     headings = [units.with_unit(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
     values = [
-        [number(results.value(index, name) / unit.size) for name, unit in zip(names, shown, strict=True)]
+        [_with_ends(results, index, name, unit.size) for name, unit in zip(names, shown, strict=True)]
         for index in range(len(results.runs))
     ]
     if results.limits is not None:
@@ -122,6 +126,13 @@ def _verdict(limits: LimitSet) -> str:
 def _level(results: Results, index: int) -> str:
     """Verdict on a run in a word."""
     return results.verdict(index).word if index in results.found else "–"
+
+
+def _with_ends(results: Results, index: int, name: str, size: float) -> str:
+    """A value, with the smallest and the largest over places of the bay behind it."""
+    low, high = (end / size for end in results.ends(index, name))
+    ends = "" if math.isnan(low) else f" ({number(low)} to {number(high)})"
+    return number(results.value(index, name) / size) + ends
 
 
 def _extremes(results: Results) -> ResultTable:

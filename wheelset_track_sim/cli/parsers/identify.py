@@ -12,7 +12,7 @@ from .measured import reading_of, takes_measured
 from .options import may_overwrite, takes_changes, takes_json
 from .parser import Amount, Commands, command, completed
 
-KINDS = ("flat", "worn_flat", "breakout", "polygon", "none", "any")
+KINDS = ("flat", "worn_flat", "breakout", "none", "any")
 
 
 class Amounts(argparse.Action):
@@ -80,14 +80,14 @@ def add(commands: Commands) -> None:
         ("gain", "gain of the data", "3 %%"),
         ("speed", "speed", "0.5 %%"),
         ("track", "stiffness and damping of pads and ballast", "10 %%"),
-        ("shape", "model's signal beside that, of its size", "2 %%"),
+        ("shape", "model beside that, of the size of its signal", "2 %% of a force, else 5 %%"),
     ):
         identify.add_argument(
             f"--{name}-error",
             action=Amount,
             unit="",
             metavar="SHARE",
-            help=f"standard deviation of the {what} (default: '{default}')",
+            help=f"standard deviation of the {what} (default: {default})",
         )
     named = identify.add_argument(
         "--scenario", metavar="SCENARIO", help="wheelset and track (default: that of a bag, or undamaged)"
@@ -123,14 +123,10 @@ def add(commands: Commands) -> None:
 
 
 def _identify(options: argparse.Namespace) -> int:
-    from ...identify.files import Given
+    from ...identification.files import Given
     from ..identify import Options, run_identify
 
-    errors = {
-        f"{name}_error": getattr(options, f"{name}_error")
-        for name in ("track", "shape")
-        if getattr(options, f"{name}_error") is not None
-    }
+    track = {} if options.track_error is None else {"track_error": options.track_error}
     given = Given(
         signal=options.signal,
         wheel=options.wheel,
@@ -138,6 +134,7 @@ def _identify(options: argparse.Namespace) -> int:
         noise=options.noise,
         gain_error=options.gain_error,
         speed_error=options.speed_error,
+        shape_error=options.shape_error,
         place_y=options.gauge_y,
         reading=reading_of(options),
     )
@@ -157,7 +154,7 @@ def _identify(options: argparse.Namespace) -> int:
             predict_loads=options.predict_load,
             curve=options.curve,
             seed=options.seed,
-            **errors,
+            **track,
         ),
         json=options.json,
         warnings=options.warnings,

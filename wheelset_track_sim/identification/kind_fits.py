@@ -13,9 +13,9 @@ from ..runtime.arrays import Real
 from ..runtime.progress import Progress, unreported
 from ..scenario import Scenario
 from ..scenario.scenario import Wheel
-from .fit import STEPS, Mode, Problem
+from .fit import STEPS, Optimum, Problem
 from .forward import Forward, TrackModels
-from .kinds import KINDS, LATERAL, NONE, DamageKind, kinds_of
+from .kinds import KINDS, LATERAL, DamageKind, kinds_of
 from .observation import Observation, PeakReading
 from .peak import identify_peak
 from .results import LEAST, TELLING, Band, Identification, Interval, KindFit, correlations, explains
@@ -23,9 +23,6 @@ from .sampling import sample, simulated_columns
 
 TRACK_ERROR = 0.10
 """Standard deviation of stiffness and damping of pads and ballast, as a share."""
-SHAPE_ERROR = 0.02
-"""Standard deviation of other errors of the model, as a share of how far a sample is from the median: variants of the
-model at lag zero differ by some 3 % at the peak (``docs/validation.md``)."""
 UNLIKELY = 25.0
 """Difference of the logarithms of evidence from which on a kind is not looked at more closely."""
 
@@ -37,9 +34,8 @@ def identify(
     *,
     wheel: Wheel = "wheel_1",
     track_error: float = TRACK_ERROR,
-    shape_error: float = SHAPE_ERROR,
     seed: int = 0,
-    progress: Progress = unreported,
+    progress: Progress | None = None,
 ) -> Identification:
     """Find the damage that explains a peak, or some observations of one damage.
 
@@ -50,13 +46,11 @@ def identify(
     scenario
         Wheelset and track without the damage; speeds and loads are those of the data.
     kinds
-        Kinds that are looked at, all if empty: ``flat``, ``worn_flat``, ``breakout``, ``polygon``, ``none``.
+        Kinds that are looked at, all if empty: ``flat``, ``worn_flat``, ``breakout``, ``none``.
     wheel
         The wheel of a peak.
     track_error
         Standard deviation of stiffness and damping of pads and ballast, as a share; 0 if the track is known.
-    shape_error
-        Standard deviation of other errors of the model, as a share of how far a sample is from the median.
     seed
         Of the draws: the same data and seed give the same result.
     progress
@@ -71,8 +65,15 @@ def identify(
     ------
     InputError
         For kinds and data that cannot be used, and observations of different wheels.
+
+    Examples
+    --------
+    >>> found = identify(PeakReading(force=250e3, speed=27.8), load_scenario("undamaged"), ["flat"])
+    >>> length = found.best.parameters["length_m"]
+    >>> length.low < 0.048 < length.high
+    True
     """
-    names = kinds_of(kinds)
+    names, progress = kinds_of(kinds), progress or unreported
     if isinstance(data, PeakReading):
         return identify_peak(data, scenario, names, wheel=wheel, seed=seed, progress=progress)
     if not data:
@@ -82,11 +83,10 @@ def identify(
         raise InputError("the observations are of wheel_1 and wheel_2: give those of one wheel")
     tracks = TrackModels(scenario, track_error, progress)
     forwards = [Forward(each, tracks) for each in data]
-    searched: dict[str, tuple[Problem, list[Mode]]] = {}
-    looked = [name for name in names if name in KINDS or name == NONE]
-    for number, name in enumerate(looked):
-        progress(f"search {name}", number / len(looked))
-        problem = Problem(KINDS.get(name), forwards, len(tracks.parts), shape_error)
+    searched: dict[str, tuple[Problem, list[Optimum]]] = {}
+    for number, name in enumerate(names):
+        progress(f"search {name}", number / len(names))
+        problem = Problem(KINDS.get(name), forwards, len(tracks.parts))
         searched[name] = problem, [problem.search(start, STEPS // 2) for start in problem.starts(1)]
     best = max(modes[0].log_evidence for _, modes in searched.values())
     for problem, modes in searched.values():
@@ -105,7 +105,9 @@ def identify(
     )
 
 
-def _compared(searched: Mapping[str, tuple[Problem, list[Mode]]], seed: int, progress: Progress) -> tuple[KindFit, ...]:
+def _compared(
+    searched: Mapping[str, tuple[Problem, list[Optimum]]], seed: int, progress: Progress
+) -> tuple[KindFit, ...]:
     """Fits of all kinds, the likeliest first."""
     evidence = {name: logsumexp([mode.log_evidence for mode in modes]) for name, (_, modes) in searched.items()}
     total = logsumexp([*evidence.values()])
@@ -118,7 +120,7 @@ def _compared(searched: Mapping[str, tuple[Problem, list[Mode]]], seed: int, pro
     return tuple(found)
 
 
-def _described(name: str, problem: Problem, modes: list[Mode], probability: float, seed: int) -> KindFit:
+def _described(name: str, problem: Problem, modes: list[Optimum], probability: float, seed: int) -> KindFit:
     mode, kind = modes[0], problem.kind
     count, sizes = problem.samples, problem.sizes
     columns = simulated_columns(problem)
@@ -177,7 +179,7 @@ def _around(places: Real, bay: float) -> Interval:
     return Interval(interval.estimate + shift, interval.low + shift, interval.high + shift, interval.told)
 
 
-def _band(problem: Problem, mode: Mode, number: int) -> Band:
+def _band(problem: Problem, mode: Optimum, number: int) -> Band:
     forward = problem.forwards[number]
     rows = problem.slopes(number, mode.x)
     variance = np.einsum("nd,de,ne->n", rows, mode.covariance, rows)

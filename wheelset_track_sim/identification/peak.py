@@ -15,7 +15,6 @@ from scipy.interpolate import RBFInterpolator
 from scipy.special import ndtri
 from scipy.stats import qmc
 
-from ..errors import InputError
 from ..runtime.arrays import Real
 from ..runtime.progress import Progress
 from ..scenario import WHEELS, Scenario
@@ -44,15 +43,10 @@ def identify_peak(
     reading: PeakReading, scenario: Scenario, names: Sequence[str], *, wheel: Wheel, seed: int, progress: Progress
 ) -> Identification:
     """See ``identify``."""
-    looked = [name for name in names if name in KINDS or name == NONE]
-    if not looked:
-        raise InputError(
-            "a polygon makes no single peak: give a force or an acceleration over time, or another --kind than polygon"
-        )
     passages = Passages(scenario, progress, before=BEFORE, after=scenario.track.spacing + AFTER)
     fits: list[tuple[float, KindFit]] = []
-    for number, name in enumerate(looked):
-        progress(f"simulate {name}", number / len(looked))
+    for number, name in enumerate(names):
+        progress(f"simulate {name}", number / len(names))
         fits.append(_fitted(name, reading, passages, wheel, seed))
     total = sum(likelihood for likelihood, _ in fits)
     shares = [likelihood / total if total > 0 else 1 / len(fits) for likelihood, _ in fits]
@@ -65,7 +59,7 @@ def identify_peak(
         ("one peak",),
         (reading.speed,),
         (reading.axle_load,),
-        sum(SIMULATED.get(len(KINDS[name].unknowns), 0) if name in KINDS else 1 for name in looked),
+        sum(SIMULATED.get(len(KINDS[name].unknowns), 0) if name in KINDS else 1 for name in names),
     )
 
 

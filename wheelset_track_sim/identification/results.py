@@ -29,7 +29,7 @@ TELLING = 0.6
 
 def explains(chi2_per_n: float) -> bool:
     """Whether a fit explains the data."""
-    return chi2_per_n <= EXPLAINS
+    return bool(chi2_per_n <= EXPLAINS)
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,13 @@ r of samples and priors, and their Jacobian J, the posterior about an optimum is
 
 Columns of J for sizes and places are differences of simulations; those of lag, gain, speed and track need none.
 
-A model is not what was measured. The track is uncertain by unknowns of its own, whose derivatives are simulated. What
-is left of the model's errors has the standard deviation ``shape_error``, a share of how far a sample is from the
-median, and the correlation exp(-|t| / 1 ms): such errors last as the vibrations do to which they belong, and are not
-averaged out as the white noise of the sensor is. So the covariance of the samples is::
+A model is not what was measured. The track is uncertain by unknowns of its own, whose effects are simulated. What is
+left of the model's errors has the standard deviation ``shape``, a share of how far a sample is from the median, and the
+correlation exp(-|t| / 1 ms): such errors last as the vibrations do to which they belong, and are not averaged out as
+the white noise of the sensor is. Where a wheelset rings, phases drift, and the distance is that of its amplitude. So
+the covariance of the samples is::
 
-    C = sigma^2 I + D K D,    D = shape_error diag(|y - median|),    K_ij = exp(-|t_i - t_j| / 1 ms)
+    C = sigma^2 I + D K D,    D = shape diag(|y - median|),    K_ij = exp(-|t_i - t_j| / 1 ms)
 
 Residuals are whitened by its Cholesky factor.
 """
@@ -27,11 +28,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.ndimage import uniform_filter1d
 from scipy.optimize import least_squares
 
 from ..irregularities import Irregularity
 from ..runtime.arrays import Real
-from .forward import SPAN, Curve, Forward
+from .forward import SPAN, Forward, PassageCurve
 from .kinds import LATERAL, DamageKind
 
 SIZE_STEP, PLACE_STEP, LATERAL_STEP = 0.02, 0.010, 0.1
@@ -48,12 +50,17 @@ ROUGH = 0.10
 """Share by which simulations of a first guess may be off."""
 SHAPE_TIME = 1e-3
 """Time over which errors of the model belong together, s."""
-STEPS = 14
+AMPLITUDE = 5e-3
+"""Time before and after a sample over which the amplitude of a ringing wheelset is taken, s."""
+STEPS = 16
 """Steps of a search."""
+ENOUGH = 1e-4
+"""Share of the sum of squares by which a step has to lower it, or the search ends. In the narrow valley of depth and
+width, steps are many and small: some 500 samples then end within 0.1 of the lowest."""
 
 
 @dataclass(frozen=True, eq=False)
-class Mode:
+class Optimum:
     """A local optimum."""
 
     x: Real
@@ -72,7 +79,7 @@ class Mode:
 class Problem:
     """Fit of one kind to some observations; None as kind is a wheel without damage."""
 
-    def __init__(self, kind: DamageKind | None, forwards: Sequence[Forward], parts: int, shape_error: float) -> None:
+    def __init__(self, kind: DamageKind | None, forwards: Sequence[Forward], parts: int) -> None:
         """``parts`` is the number of uncertain properties of the track."""
         self.kind, self.forwards, self.parts = kind, tuple(forwards), parts
         self.sizes = len(kind.unknowns) if kind else 0
@@ -85,9 +92,9 @@ class Problem:
             *(f"{name} {number}" for number in range(len(forwards)) for name in self.per),
             *(f"track {number}" for number in range(parts)),
         )
-        self.scale = [np.hypot(each.observation.sigma, shape_error * _away(each.values)) for each in self.forwards]
+        self.scale = [np.hypot(each.observation.sigma, _shape(each)) for each in self.forwards]
         """Standard deviation of the samples of each observation."""
-        self._roots = [_root(each, shape_error) for each in self.forwards]
+        self._roots = [_root(each) for each in self.forwards]
         self.samples = sum(len(each.values) for each in self.forwards)
         self.of_track = [np.zeros((parts, len(each.values))) for each in self.forwards]
         """What a standard deviation of each property of the track adds to an observation, (parts, n): linear part."""
@@ -118,7 +125,7 @@ class Problem:
         angle = forward.angle(x[self.at(number, "place")])
         return self.kind.make(forward.observation.wheel, self.kind.values(x[: self.sizes]), angle, y)
 
-    def curve(self, number: int, x: Real, speed: int, track: int = 0) -> Curve:
+    def curve(self, number: int, x: Real, speed: int, track: int = 0) -> PassageCurve:
         """Simulated curve of an observation."""
         forward = self.forwards[number]
         return forward.curve(self.damage(number, x), x[self.at(number, "place")] % forward.bay, speed, track)
@@ -229,7 +236,7 @@ class Problem:
         if "lateral" in self.per:
             yield self.at(number, "lateral"), LATERAL_STEP
 
-    def search(self, start: Real, steps: int = STEPS) -> Mode:
+    def search(self, start: Real, steps: int = STEPS) -> Optimum:
         """The local optimum that is reached from ``start`` in some steps."""
         self.linearise_track(start)
         normal, rows = self.normal, np.eye(len(start))[self.normal]
@@ -247,11 +254,11 @@ class Problem:
             bounds=(self.bounds[:, 0], self.bounds[:, 1]),
             x_scale=self._scales,
             max_nfev=steps,
-            ftol=2e-3,
+            ftol=ENOUGH,
             xtol=1e-4,
             gtol=1e-6,
         )
-        return self.mode(found.x)
+        return self.optimum(found.x)
 
     @property
     def _scales(self) -> Real:
@@ -274,7 +281,7 @@ class Problem:
                 widths[self.at(number, "lag")] = (forward.time[-1] - forward.time[0]) / LAG_UNIT
         return widths
 
-    def mode(self, x: Real) -> Mode:
+    def optimum(self, x: Real) -> Optimum:
         """What Laplace says about an optimum."""
         residuals, jacobian = self.residuals(x), self.jacobian(x)
         widths, normal = self.widths, self.normal
@@ -285,7 +292,7 @@ class Problem:
         log_prior = -0.5 * float(x[normal] @ x[normal]) - 0.5 * len(normal) * math.log(2 * math.pi)
         log_prior -= float(np.log(widths[widths > 0]).sum())
         volume = 0.5 * (len(x) * math.log(2 * math.pi) + float(np.linalg.slogdet(covariance)[1]))
-        return Mode(x, covariance, chi2, -0.5 * chi2 + log_prior + volume, jacobian, residuals)
+        return Optimum(x, covariance, chi2, -0.5 * chi2 + log_prior + volume, jacobian, residuals)
 
     def starts(self, most: int) -> list[Real]:
         """First guesses, the best ones first: sizes and places of the kind that come near to all observations."""
@@ -321,13 +328,23 @@ class Problem:
         return best
 
 
-def _root(forward: Forward, shape_error: float) -> Real:
+def _root(forward: Forward) -> Real:
     """Cholesky factor of the covariance of an observation's samples, (n, n)."""
-    error = shape_error * _away(forward.values)
+    error = _shape(forward)
     alike = np.exp(-np.abs(forward.time[:, np.newaxis] - forward.time) / SHAPE_TIME)
     covariance = error[:, np.newaxis] * alike * error + forward.observation.sigma**2 * np.eye(len(error))
     root: Real = np.linalg.cholesky(covariance)
     return root
+
+
+def _shape(forward: Forward) -> Real:
+    """Standard deviation of errors of the model (n,)."""
+    away, observation = _away(forward.values), forward.observation
+    if observation.on_wheelset:
+        width = 2 * round(AMPLITUDE / observation.period) + 1
+        away = np.sqrt(2.0 * uniform_filter1d(away**2, width, mode="nearest"))
+    shape: Real = observation.shape * away
+    return shape
 
 
 def _away(values: Real) -> Real:

@@ -65,7 +65,7 @@ def predict(
     curve: Curve | None = None,
     passages: int = PASSAGES,
     seed: int = 0,
-    progress: Progress = unreported,
+    progress: Progress | None = None,
 ) -> tuple[Prediction, ...]:
     """Predict force, stress and, with an S-N curve, fatigue of an identified damage.
 
@@ -88,9 +88,17 @@ def predict(
     ------
     InputError
         If the likeliest kind does not explain the data: nothing follows from it then.
+
+    Examples
+    --------
+    >>> found = identify(PeakReading(force=106e3), load_scenario("undamaged"), ["none"])
+    >>> faster, = predict(found, speeds=[50.0], passages=2)
+    >>> 98e3 < faster.force.estimate < 103e3  # N, without damage
+    True
     """
     if passages < 2:
         raise InputError(f"passages = {passages}: give at least 2")
+    progress = progress or unreported
     scenario, wheel = found.scenario, WHEELS.index(found.wheel)
     circumference = scenario.steps_per_revolution * scenario.step_length
     radius, bay, dx = circumference / (2 * math.pi), scenario.track.spacing, scenario.step_length

@@ -135,8 +135,7 @@ KINDS = {
 }
 """Kinds with a place on the wheel, by name."""
 NONE = "none"
-POLYGON = "polygon"
-NAMES = (*KINDS, POLYGON, NONE)
+NAMES = (*KINDS, NONE)
 ANY = "any"
 
 

@@ -1,6 +1,6 @@
 """From a reading to the damage: which damage explains what was measured, and what follows for force and axle."""
 
-from .identification import identify
+from .kind_fits import identify
 from .observation import Observation, PeakReading
 from .prediction import Prediction, predict
 from .results import Identification, Interval, KindFit

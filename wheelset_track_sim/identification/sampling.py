@@ -18,10 +18,10 @@ from scipy.special import logsumexp
 from scipy.stats import norm, qmc
 
 from ..runtime.arrays import Real
-from .fit import Mode, Problem
+from .fit import Optimum, Problem
 
-DRAWS = 48
-"""Draws that are simulated."""
+DRAWS = 12
+"""Draws that are simulated, for each size and place of one observation, and for two more."""
 WIDER = 1.25
 """Factor on the standard deviations of the proposal."""
 RESAMPLED = 500
@@ -53,11 +53,11 @@ def simulated_columns(problem: Problem) -> tuple[int, ...]:
     return (*range(problem.sizes), *places)
 
 
-def sample(problem: Problem, modes: Sequence[Mode], seed: int, draws: int = DRAWS) -> Posterior:
+def sample(problem: Problem, modes: Sequence[Optimum], seed: int, draws: int | None = None) -> Posterior:
     """Posterior about some optima, in which the first one is the best."""
     columns = simulated_columns(problem)
     folded = _Folded(problem, modes, columns)
-    proposed = folded.drawn(draws, seed)
+    proposed = folded.drawn(draws or DRAWS * (problem.sizes + 3), seed)
     log_weights = np.array([_log_posterior(problem, modes[0], columns, each) for each in proposed])
     log_weights -= folded.log_density(proposed)
     weights = np.exp(log_weights - logsumexp(log_weights))
@@ -78,7 +78,7 @@ def sample(problem: Problem, modes: Sequence[Mode], seed: int, draws: int = DRAW
 class _Folded:
     """Mixture of normals about the optima, folded into the ranges of the sizes."""
 
-    def __init__(self, problem: Problem, modes: Sequence[Mode], columns: tuple[int, ...]) -> None:
+    def __init__(self, problem: Problem, modes: Sequence[Optimum], columns: tuple[int, ...]) -> None:
         self._bounds = problem.bounds[list(columns)]
         evidence = np.array([mode.log_evidence for mode in modes])
         self._shares = np.exp(evidence - logsumexp(evidence))
@@ -121,7 +121,7 @@ class _Folded:
         return [(1.0, 0.0), (-1.0, 2 * low), (-1.0, 2 * high)] if np.isfinite(low) else [(1.0, 0.0)]
 
 
-def _log_posterior(problem: Problem, mode: Mode, columns: tuple[int, ...], drawn: Real) -> float:
+def _log_posterior(problem: Problem, mode: Optimum, columns: tuple[int, ...], drawn: Real) -> float:
     """Of a draw, with all that is linear integrated out, but for a constant."""
     own = list(columns)
     others = [column for column in range(len(mode.x)) if column not in columns]
@@ -143,7 +143,7 @@ def _log_posterior(problem: Problem, mode: Mode, columns: tuple[int, ...], drawn
     return -0.5 * float(left @ left) - 0.5 * float(x[drawn_normal] @ x[drawn_normal])
 
 
-def _residual(problem: Problem, number: int, x: Real, mode: Mode) -> Real:
+def _residual(problem: Problem, number: int, x: Real, mode: Optimum) -> Real:
     """Of the samples of an observation, from one simulation: what the speed adds is that of the optimum."""
     forward, best = problem.forwards[number], mode.x
     near = [(forward.nearest(float(best[problem.at(number, "speed")])), 1.0)]

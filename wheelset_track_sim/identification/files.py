@@ -48,6 +48,7 @@ class Given:
     noise: float | None = None
     gain_error: float | None = None
     speed_error: float | None = None
+    shape_error: float | None = None
     place_y: float | None = None
     """Axial place of a strain gauge, m."""
     reading: Reading | None = None
@@ -55,8 +56,8 @@ class Given:
 
     def further(self) -> dict[str, Any]:
         """What an observation is given as it is."""
-        named = {"noise": self.noise, "gain_error": self.gain_error, "speed_error": self.speed_error}
-        return {name: value for name, value in named.items() if value is not None}
+        named = ("noise", "gain_error", "speed_error", "shape_error")
+        return {name: getattr(self, name) for name in named if getattr(self, name) is not None}
 
 
 def read_observation(path: str | Path, given: Given | None = None) -> tuple[Observation, Scenario | None]:

@@ -41,8 +41,9 @@ MARGIN = 0.25
 """Track of a simulation before the first hit, and behind what is compared, m."""
 SPAN = 2.0
 """Speeds that are simulated are this many standard deviations below and above the given one."""
-EARLIER = 1
-"""Turns with hits before the first that a signal of the wheelset shows: bending of the axle rings on."""
+EARLIER = 4
+"""Turns with hits before the first that a signal of the wheelset shows: bending of the axle rings on, and loses two
+fifths from turn to turn."""
 GAUGES = tuple(math.pi * number / (len(HARMONICS) - 1) for number in range(len(HARMONICS)))
 """Angles of gauges that are fixed in space, from which the strain at all angles follows, rad."""
 KEPT = 256
@@ -103,7 +104,7 @@ class TrackModels:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class PassageCurve:
     """Signals over the time since the hit that counts, s, of a simulation at one speed."""
 
     spline: CubicSpline
@@ -141,7 +142,7 @@ class Forward:
         self._passages: dict[int, Passages] = {}
         self.simulated = 0
         """Passages simulated so far."""
-        self._kept: dict[Any, Curve] = {}
+        self._kept: dict[Any, PassageCurve] = {}
 
     def passages(self, track: int) -> Passages:
         """Passages on a track; see ``TrackModels``."""
@@ -157,7 +158,7 @@ class Forward:
         """Angle of a defect that meets the rail at ``place`` of a bay, m, in the hit that counts, rad."""
         return ((place - self.earlier * self.circumference) % self.bay) / self._radius
 
-    def curve(self, damage: Irregularity | None, place: float, speed: int, track: int = 0) -> Curve:
+    def curve(self, damage: Irregularity | None, place: float, speed: int, track: int = 0) -> PassageCurve:
         """Curve of a damage whose ``angle`` is that of ``place``, at one of ``speeds``, on a track; None: no damage."""
         key = damage, place, speed, track
         if key not in self._kept:
@@ -166,7 +167,7 @@ class Forward:
                 self._kept.pop(next(iter(self._kept)))
         return self._kept[key]
 
-    def _curve(self, damage: Irregularity | None, place: float, speed: int, track: int) -> Curve:
+    def _curve(self, damage: Irregularity | None, place: float, speed: int, track: int) -> PassageCurve:
         self.simulated += 1
         passages, v = self.passages(track), self.speeds[speed]
         dx = passages.scenario.step_length
@@ -178,7 +179,7 @@ class Forward:
         near = np.abs(time) < 0.3 / v
         away = np.abs(signals[near, 0] - np.median(signals[:, 0]))
         peak = float(time[near][away.argmax()])
-        return Curve(CubicSpline(time, signals, axis=0), self.circumference / v, v, peak)
+        return PassageCurve(CubicSpline(time, signals, axis=0), self.circumference / v, v, peak)
 
     def _signals(self, block: SampleBlock) -> Real:
         """Signals (n, channels) from which the observed one follows."""
@@ -192,7 +193,7 @@ class Forward:
         harmonics: Real = np.linalg.solve(np.cos(np.outer(GAUGES, n)), at_gauges.T).T
         return harmonics
 
-    def at(self, curve: Curve, lag: float, speed: float, derivative: int = 0) -> Real:
+    def at(self, curve: PassageCurve, lag: float, speed: float, derivative: int = 0) -> Real:
         """Observed signal (n,) by a curve, at the true ``speed``; or its derivative with respect to minus ``lag``."""
         since = self.time - lag
         turn = self.circumference / speed
