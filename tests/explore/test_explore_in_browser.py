@@ -266,6 +266,23 @@ def test_the_verdict_fills_in_the_background(opened):
     assert "Federal" in page.locator("#sources").text_content()
 
 
+def test_a_map_leads_to_its_cells_and_a_measurement_lies_beside_the_answer(opened):
+    page = opened("?depth=0.5&map=place:depth:stress", **WIDE)
+    page.locator("#measured").set_input_files(ROOT / "config" / "measured" / "synthetic_wayside.csv")
+    page.locator("html[data-measured]").wait_for()
+    assert "gain 1.020, correlation 0.998" in page.locator("#measured-words").text_content()
+    force = page.evaluate(DATA, "force-measured")
+    assert max(force["value"]) == pytest.approx(230.4, abs=0.1)
+    page.locator("html[data-map$=':81']").wait_for(timeout=120_000)
+    assert [page.locator(f"#map-{side}").input_value() for side in "xy"] == ["place", "depth"]
+    page.locator("#map").scroll_into_view_if_needed()
+    box = page.evaluate("""() => { const { frame, el } = views.map, box = el.getBoundingClientRect()
+      return [box.left + frame.x_scale.compute(325), box.top + frame.y_scale.compute(5)] }""")
+    answered(page, lambda: page.mouse.click(*box))
+    assert (page.locator("#place").input_value(), page.locator("#depth").input_value()) == ("330", "5")
+    assert "map=place:depth:stress" in page.evaluate("location.search")
+
+
 def test_what_cannot_be_is_one_line_and_the_page_goes_on(opened):
     page = opened(**WIDE)
     page.locator("#speed").fill("999")

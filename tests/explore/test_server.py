@@ -197,6 +197,37 @@ def test_the_background_works_for_the_latest_view_and_makes_room(monkeypatch):
     served(visit)
 
 
+def test_measurements_and_maps_of_a_page():
+    async def visit(site):
+        socket = await opened(site)
+        await socket.write_message(view(1, kind="flat", flat="30"))
+        answer = (await received(socket, "answer"))["arrays"]
+        rows = [f"{at:.4f},{force:.3f}" for at, force in zip(answer["place"] + 3, answer["force0"], strict=True)]
+        text = "\n".join(["position [m],wheel_1 [kN]", *rows])
+        await socket.write_message(json.dumps({"number": 1, "name": "mine.csv", "measured": text}))
+        assert "gain 1.000" in (await received(socket, "measured"))["words"]
+        await socket.write_message(view(2, kind="flat", flat="20"))
+        assert (await received(socket, "measured", 2))["words"].startswith("mine.csv, beside the answer")
+        await socket.write_message(json.dumps({"number": 2, "name": "bad.csv", "measured": "hello\n"}))
+        assert (await received(socket, "refused"))["words"].startswith("bad.csv")
+        sides = {"number": 9, "view": {"kind": "flat"}}
+        await socket.write_message(json.dumps({**sides, "map": ["flat", "place", "force"]}))
+        assert (await received(socket, "map", 9))["of"] == 81
+        await socket.write_message(json.dumps({**sides, "number": 10, "map": ["flat", "depth", "force"]}))
+        assert "is not a known slider" in (await received(socket, "refused", 10))["words"]
+        await socket.write_message(json.dumps({**sides, "map": ["flat"]}))
+        assert await asyncio.wait_for(closing(socket), 30) == 1003
+
+    served(visit)
+
+
+async def closing(socket):
+    """Read on until the socket is closed; returns why."""
+    while await socket.read_message() is not None:
+        pass
+    return socket.close_code
+
+
 def test_files_are_those_of_the_view_and_what_cannot_be_is_one_line():
     async def visit(site):
         found = await get(site, f"{site.token}/download?suffix=.yaml&kind=flat&flat=30&speed=90&place=100")

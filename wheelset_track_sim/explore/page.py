@@ -14,6 +14,7 @@ from bokeh.embed import json_item
 from ..report.files import STYLE
 from ..report.plots import COLOURS
 from ..version import __version__
+from .background import QUANTITIES
 from .downloads import FORMS
 from .plots import EXAGGERATED, PIN_COLOURS, all_plots
 from .view import KINDS, MEANINGS, SLIDERS, STRESSES, Base, View
@@ -45,9 +46,23 @@ def style() -> str:
     return STYLE + asset("explore.css")
 
 
-def page(base: Base, view: View, pins: Sequence[str] = (), refused: str = "") -> str:
-    """HTML of the page for a view and pinned ones, as queries; ``refused`` says why the address could not be used."""
-    settings = _json({"colours": COLOURS, "pinColours": PIN_COLOURS, "exaggerated": EXAGGERATED, "pins": [*pins]})
+def page(base: Base, view: View, pins: Sequence[str] = (), mapped: str = "", refused: str = "") -> str:
+    """HTML of the page.
+
+    Parameters
+    ----------
+    base, view
+        The scenario, and what the controls say.
+    pins
+        Pinned views, as queries.
+    mapped
+        Both sliders and the quantity of a map, with colons between them; empty for none.
+    refused
+        Why the address could not be used, in one line.
+    """
+    settings = _json(
+        {"colours": COLOURS, "pinColours": PIN_COLOURS, "exaggerated": EXAGGERATED, "pins": [*pins], "map": mapped}
+    )
     name = escape(base.scenario.name)
     notes = "".join(f"<p class='quiet'>{escape(note)}.</p>" for note in base.notes)
     return f"""<!DOCTYPE html>
@@ -107,6 +122,13 @@ so do the arrow keys here. A new answer goes to its largest force.</span>
 <div class="plot" id="pressure" role="img" aria-label="map of the contact pressure, seen from above"></div>
 </section>
 </div>
+<section aria-labelledby="map-title" id="map-section">
+<h2 id="map-title">Map <span class="quiet" id="map-words">of a result over two sliders</span></h2>
+<div class="row">{_choice("map-quantity", "show", QUANTITIES)}
+{_choice("map-x", "over", {})}{_choice("map-y", "and", {})}
+<button type="button" id="map-fill">Fill</button></div>
+<div class="plot" id="map" role="img" aria-label="map of the result over both sliders" hidden></div>
+</section>
 <p class="quiet">{FORCE_SOURCES} <span id="sources"></span> {STRESS_SOURCES} <span id="fatigue-source"></span>
 {PASSAGE}</p>
 <p class="quiet">wheelset_track_sim {__version__}. An answer: <span id="seconds">none yet</span>.</p>
@@ -167,7 +189,16 @@ curves. The address keeps them, too.</span></div><ol id="pins"></ol>"""
     files = "".join(f'<button type="button" data-suffix="{suffix}">{text}</button>' for suffix, text in FORMS.items())
     yield f"""<div class="control choice files"><span>files</span><div>{files}</div>
 <span role="tooltip">The scenario as a file, or one turn of its wheel as run and report make it.</span></div>"""
+    yield """<div class="control choice"><label for="measured">measured</label><input type="file" id="measured"
+ accept=".csv,.txt,text/*" aria-describedby="measured-tip">
+<span role="tooltip" id="measured-tip">Text file with the force of a wheel over time or position, as compare reads it;
+or drop it anywhere on the page. It stays on this machine.</span></div><p id="measured-words"></p>"""
     yield "</div>"
+
+
+def _choice(name: str, label: str, choices: Mapping[str, str]) -> str:
+    options = "".join(f'<option value="{value}">{text}</option>' for value, text in choices.items())
+    return f'<label>{label} <select id="{name}">{options}</select></label>'
 
 
 def _slider(name: str, shown: Mapping[str, str]) -> str:
