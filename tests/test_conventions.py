@@ -42,7 +42,7 @@ PATTERNS = {
 with (ROOT / "tests" / "data" / "rosdep_keys.csv").open() as file:
     KEYS = {row["key"]: row for row in csv.DictReader(line for line in file if not line.startswith("#"))}
 """What rosdep installs for each key, as it was looked up in rosdistro."""
-UNITS = r"(N|Pa|m|s|rad|Hz|m/s|m/s\^2)"
+UNITS = r"(N|Pa|m|s|rad|Hz|1|1/km|m/s|m/s\^2)"
 
 
 @pytest.mark.parametrize("path", MANIFESTS, ids=["package", "messages"])

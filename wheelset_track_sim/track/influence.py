@@ -8,10 +8,10 @@ with y at x_d. The jump that belongs to a row l is therefore::
 
     J = [l_Q, l_M, -l_w, -l_theta],        R(X) = w'(X)
 
-The influence line is the deflection of a state that is homogeneous but for J. So in each bay it is the first row of the
-transfer matrix times one state, for which the one in the middle of the bay is taken: the least digits are lost there.
-In the bay of x_d there are two such states, one on either side. Sleepers move as ``BlochTrack.node`` says for the
-shares ``l . T(s)`` of the load on the two ends of that bay.
+The influence line is the deflection of a state that is homogeneous except for J. In each bay it is the first row of the
+transfer matrix times one state. The state in the middle of the bay is used, because the fewest digits are lost from
+there. In the bay of x_d there are two such states, one on either side. Rail points above sleepers move as
+``BlochTrack.node`` says for the shares ``l . T(s)`` of the load on the two ends of that bay.
 
 A force at X that stands exactly at x_d reads the mean of both sides.
 

@@ -50,6 +50,10 @@ class WheelLoads:
         return self.peak / self.mean if self.mean else math.nan
 
 
+NONE = WheelLoads(math.nan, math.nan)
+"""Of a detector without bridges."""
+
+
 @dataclass(frozen=True)
 class ChannelValues:
     """Extremes of a channel during a passage, SI units."""
@@ -100,6 +104,3 @@ def channel_values(reading: WaysideReading) -> list[ChannelValues]:
         ChannelValues(channel, float(values.max()), float(values.min()), float(np.sqrt(np.mean(values**2))))
         for channel, values in zip(reading.detector.channels, reading.values.T, strict=True)
     ]
-
-
-NONE = WheelLoads(math.nan, math.nan)

@@ -1,26 +1,26 @@
 """What a detector reads while a wheelset passes, exactly for its contact forces, by Bloch waves and reciprocity.
 
-A wheel presses on the rail with F(t) at X(t). With the influence line R(X, omega) of a channel
-(``track.influence``), which is in each bay b the row psi(x, omega) of the rail's transfer matrix from the middle of the
-bay times a state y_b(omega), the spectrum of the reading is::
+A wheel presses on the rail with F(t) at X(t). A channel has the influence line R(X, omega) (``track.influence``). In
+each bay b it is the row psi(x, omega) of the rail's transfer matrix from the middle of the bay, times a state
+y_b(omega). So the spectrum of the reading is::
 
     R(omega) = integral F(t) R(X(t), omega) exp(-i omega t) dt = sum_b y_b . P_b
     P_b(omega) = sum_j F_j dt psi(x_j, omega) exp(-i omega t_j)         steps j while the wheel is in bay b
 
-P_b has nothing to do with the detector, y_b nothing with the passage. Behind a gauge in its own bay y differs, and the
-steps there have a P of their own; a step at the gauge is dealt out to both by its cell of dx. The halves of the track
-are driven by (F_1 + F_2) / 2 and (F_1 - F_2) / 2, and rail 1 and 2 are their sum and difference.
+P_b does not depend on the detector, y_b does not depend on the passage. After a gauge in its own bay y differs, and the
+steps there have a P of their own. A step at the gauge is divided between both by its cell of dx. The halves of the
+track are driven by (F_1 + F_2) / 2 and (F_1 - F_2) / 2; rail 1 is their sum, rail 2 their difference.
 
-Finite time. Frequencies are ``omega - i eta`` with ``exp(-eta T) = WRAP``: what comes round the time T of the transform
-is smaller by that factor, so waves that decay slowly need no long T.
+Finite time. Frequencies are ``omega - i eta`` with ``exp(-eta T) = WRAP``. Motion that wraps around the time T of the
+transform is smaller by that factor, so slow decay needs no long T. The low pass acts on the real frequency, which
+changes readings by less than 1e-3 of their peak.
 
-Forces. Those of ``LEAD`` bays before the first reading count, faded in over ``FADE`` bays more; before the first step
-that is given its force is taken to hold. After the last reading that force fades out; the reading sees it through the
-low pass alone, which looks ahead by some periods of its band.
+Forces. The forces of ``LEAD`` bays before the first reading count; they fade in over ``FADE`` bays more. Before the
+first given step, its force is assumed to hold. After the last reading its force fades out. The reading depends on that
+through the low pass alone, which looks ahead by some periods of its band.
 
 Cost: one product of matrices with steps by frequencies, and one with bays by frequencies for each gauge. Tables of psi
-are kept for the last speeds, states for the last detectors; lengths of the transform are few, so that speeds share
-states.
+are kept for the last speeds, states for the last detectors. Lengths of the transform are few, so speeds share states.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ LEAD = 10
 FADE = 4
 """Bays before those over which the static force is faded in; half as many after the last reading."""
 WRAP = 1e-5
-"""What is left of motion that comes round the transform."""
+"""Factor on motion that wraps around the transform."""
 FLAT = 0.5
 """Share of the band that is read as it is; from there the low pass goes down to 0 at the band as a cosine: a step
 overshoots by 4 % for one period of the band."""
