@@ -37,7 +37,7 @@ LEFT_OUT = {
     ),
     "howto/fatigue": (
         *(f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
-        *(f"{WTS} fatigue axle_7.ledger", f"{WTS} fatigue damage_wheel_1 --mission"),
+        *(f"{WTS} fatigue axle_7.ledger", f"{WTS} fatigue damage_wheel_1 --mission", "ros2 "),
     ),
     "howto/qos": (f"{WTS} echo", "ros2 "),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
