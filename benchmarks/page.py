@@ -374,6 +374,21 @@ def passages(r: Results) -> str:
     )
 
 
+def wayside(r: Results) -> str:
+    """Passages of wayside detectors."""
+    rows = [
+        (
+            run["detector"],
+            run["channels"],
+            number(run["passage_s"], 3),
+            number(run["new_speed_s"], 2),
+            number(run["to_simulation"], 2),
+        )
+        for run in r.facts("test_wayside[")
+    ]
+    return table(("detector", "channels", "a passage, s", "at a new speed, s", "to its simulation"), rows)
+
+
 def contact_filter(r: Results) -> str:
     """Rough and out-of-round wheels against smooth ones."""
     rows = []
@@ -418,6 +433,7 @@ SECTIONS: dict[str, Callable[[Results], str]] = {
     "reference": reference,
     "filter": contact_filter,
     "passages": passages,
+    "wayside": wayside,
     "lines": lines,
     "changes": changes,
     "scaling": scaling,

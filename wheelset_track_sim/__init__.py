@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .dynamics.moving_green_functions import moving_green_functions
     from .dynamics.responses import green_function, receptance
     from .errors import InputError, InputWarning, WheelsetTrackError
+    from .identification import Identification, Observation, PeakReading, Prediction, identify, predict
     from .live.run_messages import record
     from .samples.block import SampleBlock
     from .scenario import Scenario, load_scenario
@@ -44,60 +45,82 @@ if TYPE_CHECKING:
     from .studies import Study, load_study, run_study
     from .track.track import load_track
     from .twin import Resimulation, resimulate
+    from .wayside.detector import Detector, load_detector
+    from .wayside.history import WaysideReading, wayside_reading
     from .wheelset.kinds import load_wheelset
     from .wheelset.vehicle import load_vehicle
 
 _PLACES = {
+    "Detector": "wayside.detector",
     "Fleet": "simulation.fleet",
+    "Identification": "identification",
     "InputError": "errors",
     "InputWarning": "errors",
+    "Observation": "identification",
     "Passages": "simulation.passages",
+    "PeakReading": "identification",
+    "Prediction": "identification",
     "Recording": "bags",
     "Resimulation": "twin",
     "SampleBlock": "samples.block",
     "Scenario": "scenario",
     "Simulator": "simulation.simulator",
     "Study": "studies",
+    "WaysideReading": "wayside.history",
     "WheelsetTrackError": "errors",
     "green_function": "dynamics.responses",
+    "identify": "identification",
+    "load_detector": "wayside.detector",
     "load_scenario": "scenario",
     "load_study": "studies",
     "load_track": "track.track",
     "load_vehicle": "wheelset.vehicle",
     "load_wheelset": "wheelset.kinds",
     "moving_green_functions": "dynamics.moving_green_functions",
+    "predict": "identification",
     "read_bag": "bags",
     "receptance": "dynamics.responses",
     "record": "live.run_messages",
     "resimulate": "twin",
     "run_study": "studies",
+    "wayside_reading": "wayside.history",
 }
 
 __all__ = [
+    "Detector",
     "Fleet",
+    "Identification",
     "InputError",
     "InputWarning",
+    "Observation",
     "Passages",
+    "PeakReading",
+    "Prediction",
     "Recording",
     "Resimulation",
     "SampleBlock",
     "Scenario",
     "Simulator",
     "Study",
+    "WaysideReading",
     "WheelsetTrackError",
     "__version__",
     "green_function",
+    "identify",
+    "load_detector",
     "load_scenario",
     "load_study",
     "load_track",
     "load_vehicle",
     "load_wheelset",
     "moving_green_functions",
+    "predict",
     "read_bag",
     "receptance",
     "record",
     "resimulate",
     "run_study",
+    "wayside_reading",
 ]
 
 

@@ -1,7 +1,13 @@
 import numpy as np
 import pytest
 
-from wheelset_track_sim.contact import ContactGeometry, approach_for_force, build_contact_law, contact_force
+from wheelset_track_sim.contact import (
+    ContactGeometry,
+    approach_for_force,
+    build_contact_law,
+    contact_force,
+    windows,
+)
 from wheelset_track_sim.contact.law_kernels import tabulated_force
 from wheelset_track_sim.irregularities import (
     Breakout,
@@ -93,3 +99,21 @@ def test_a_kilometre_of_line_takes_little_memory():
     law = law_of(Squat("rail_1", 900.0, 0.012, 0.008, 0.0003), rail_steps=1_000_000, tables=False)
     assert sum(each.nbytes for each in law if isinstance(each, np.ndarray)) < 60e6
     assert contact_force(law, 0, 0, 900_000, 5e-5, 0.0) < contact_force(law, 0, 0, 100, 5e-5, 0.0)
+
+
+def test_surfaces_that_are_rough_all_along_are_left_out_alike(monkeypatch):
+    """What one look at the middle tells is what all rows tell."""
+    random = np.random.default_rng(1)
+    treads = np.stack([1e-6 * random.standard_normal((2713, 5)), np.zeros((2713, 5))])
+    treads[1, 100:120] = -1e-4
+    rail = np.vstack([np.zeros((1, 5)), 1e-6 * random.standard_normal((1200, 5))])
+    rows = np.stack([np.arange(1, 1201), np.zeros(1200)]).astype(np.int32)
+    separation = np.stack([np.add.outer(np.linspace(-3, 3, 7) ** 2, np.linspace(-2, 2, 5) ** 2)] * 2) * 1e-6
+    quick = windows.windows(treads, rows, rail, separation, 5e-5)
+    monkeypatch.setattr(windows, "_rough_all_along", lambda middle: False)
+    whole = windows.windows(treads, rows, rail, separation, 5e-5)
+    assert (quick.tread[0] == -1).all()
+    assert (quick.rail[0] == -1).all()
+    assert quick.tread[1].max() > 0
+    for one, other in zip(quick, whole, strict=True):
+        assert np.array_equal(one, other)

@@ -36,10 +36,16 @@ LEFT_OUT = {
         f"{WTS} compare shallow",
     ),
     "howto/fatigue": (
-        *(f"{WTS} run", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue damage_wheel_1 --curve"),
-        *(f"{WTS} fatigue axle_7.ledger", f"{WTS} fatigue damage_wheel_1 --mission", "ros2 "),
+        *(f"{WTS} run", f"{WTS} study", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue axle_7.ledger"),
+        *(f"{WTS} fatigue damage_wheel_1 --curve", f"{WTS} fatigue damage_wheel_1 --service"),
+        *(f"{WTS} fatigue damage_wheel_1 --mission", f"{WTS} fatigue press_fit", "ros2 "),
     ),
+    "howto/crack": (f"{WTS} list", f"{WTS} crack damage_wheel_1 --depth '2 mm' --growth my_steel.yaml"),
+    "howto/wayside": (f"{WTS} study blind_zone", f"{WTS} node", f"{WTS} echo"),
     "howto/qos": (f"{WTS} echo", "ros2 "),
+    "howto/maps": (f"{WTS} map", f"{WTS} study", "import xarray"),
+    "howto/dataset": (f"{WTS} dataset", "import xarray", ".venv/bin/python"),
+    "howto/fleet_by_passage": (".venv/bin/python", "import wheelset_track_sim"),
     "howto/fleet_damage": ("ros2 ", f"{WTS} node", f"{WTS} call"),
 }
 """Pages with the commands that are not run here: they take long, or need a node or a cluster. Other tests run these."""

@@ -3,6 +3,7 @@
 import runpy
 import sys
 
+import numpy as np
 import pytest
 
 from support.paths import OLD_BAG, ROOT
@@ -68,6 +69,52 @@ def test_study_with_dask(run):
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as here:
         _, printed = run("study_with_dask.py", here.scheduler_address)
     assert printed == "30 mm: 199 kN, 76.4 MPa\n50 mm: 274 kN, 88.0 MPa\n"
+
+
+@pytest.mark.slow
+def test_baseline_detector(run, tmp_path):
+    """On signals that are made up: damaged wheels are louder in a band, so the forest finds all of them."""
+    for library in ("xarray", "pyarrow", "sklearn"):
+        pytest.importorskip(library, reason=f"{library} is not installed: the extra test brings it")
+    pytest.importorskip("zarr", minversion="3", reason="zarr is not installed: the extra analysis brings it")
+    import pyarrow
+    from pyarrow import parquet
+
+    from wheelset_track_sim.dataset.store import ArrayPlan, ChunkStore
+
+    count, random = 60, np.random.default_rng(1)
+    about = {"rate_Hz": 1e4, "channels": ["wheel_1", "wheel_2"]}
+    plan = ArrayPlan((count, 2, 500), count, ("sample", "channel", "time"), about)
+    store = ChunkStore(tmp_path / "data.zarr", {"axle_box_acceleration": plan}, {})
+    store.begin()
+    damaged = np.arange(count) % 2 == 0
+    signals = random.standard_normal((count, 2, 500)) + damaged[:, None, None] * np.sin(np.arange(500))
+    store.save(0, {"axle_box_acceleration": signals.astype(np.float32)})
+    store.write_text("card.json", '{"title": "Made up"}')
+    labels = {
+        "damage": np.where(damaged, "flat", "none"),
+        "split": np.where(np.arange(count) < 40, "train", "test"),
+        "speed": random.uniform(20, 30, count),
+        "axle_load": random.uniform(1e5, 2e5, count),
+    }
+    parquet.write_table(pyarrow.table(labels), tmp_path / "data.zarr" / "labels.parquet")
+    _, printed = run("baseline_detector.py", tmp_path / "data.zarr")
+    assert "random forest: area 1.000 over 20 samples of the part test" in printed
+    assert (tmp_path / "roc.png").stat().st_size > 10_000
+
+
+def test_fleet_by_passage(run, tmp_path):
+    """With a table that is made up, in which peaks and damage rise with the length of a flat."""
+    from wheelset_track_sim.studies.damage_table import DamageTable
+
+    sizes, speeds, loads = np.linspace(0.0, 0.06, 4), np.array([16.0, 34.0]), np.array([98e3, 216e3])
+    grown = np.ones((4, 2, 2)) * sizes[:, None, None]
+    peaks = np.stack([1e5 + share * 3e6 * grown for share in (0.95, 1.0, 1.05)], axis=-1)
+    damage = 1e-9 * np.exp(60.0 * grown)[..., np.newaxis]
+    table = DamageTable("irregularities.0.length", sizes, speeds, loads, ("A1",), damage, peaks)
+    table.save(tmp_path / "flats.npz")
+    _, printed = run("fleet_by_passage.py", "60", "4", "flats.npz")
+    assert printed.startswith("240 passages of 60 wheelsets: ")
 
 
 def test_pair_launches_two_wheelsets(monkeypatch):

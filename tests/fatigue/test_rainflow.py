@@ -154,6 +154,17 @@ def test_memory_is_bounded_and_no_range_is_lost(sizes):
     assert spectrum.damage[0, 0] == pytest.approx(damage(exact), rel=2e-2)
 
 
+@pytest.mark.parametrize("growth", [0.0, 1e-9, -1e-9], ids=["steady", "growing", "shrinking"])
+def test_a_steady_ripple_on_a_turning_axle_fills_no_memory(growth):
+    turned = 2 * np.pi * np.arange(100_000) / 1000
+    series = (1 + growth * turned) * (60 * np.cos(turned) + 2 * np.cos(25.4 * turned))
+    count = Rainflow(1, CURVE)
+    count.push(series[np.newaxis] * MPA)
+    assert count.spectrum.forced[0] == 0
+    assert count.state.counts[0, DEPTH] < CAPACITY / 2
+    assert count.spectrum.damage[0, 0] == pytest.approx(damage(three_point(series.tolist())), rel=1e-6)
+
+
 def test_a_signal_that_does_not_leave_the_gate_has_no_cycle():
     series = (0.02 * (-1.0) ** np.arange(1001) + 50).tolist()
     spectrum = counted(series, gate=0.05)

@@ -24,7 +24,7 @@ ALONG = {"step": "", "position": "m", "speed": "m/s", "revision": ""}
 
 def dataframe(recording: Recording) -> DataFrame:
     """A row for each step, by simulated time, s; ``attrs`` has the unit of each column and where the run is from."""
-    pandas = _library("pandas")
+    pandas = library("pandas")
     columns, units = columns_of(recording)
     time = columns.pop("time")
     frame = pandas.DataFrame(columns, index=pandas.Index(time, name="time"))
@@ -58,7 +58,7 @@ def sensors_apart(recording: Recording) -> list[str]:
 
 def dataset(recording: Recording) -> Dataset:
     """Forces, stresses and maximum principal stress by time, wheel, node and component."""
-    xarray = _library("xarray")
+    xarray = library("xarray")
     coordinates: dict[str, Any] = {
         "time": ("time", recording.time, {"units": "s", "long_name": "simulated time since step 0"}),
         "wheel": ("wheel", list(WHEELS)),
@@ -107,7 +107,8 @@ def origin(recording: Recording) -> dict[str, Any]:
     }
 
 
-def _library(name: str) -> ModuleType:
+def library(name: str) -> ModuleType:
+    """Library of the extra ``analysis``; raises InputError if it is not installed."""
     try:
         return __import__(name)
     except ModuleNotFoundError as missing:

@@ -18,6 +18,7 @@ from ..samples.summary import Summary, statistics, summarise
 from ..samples.turns import NO_TURN, TurnPeaks
 from ..sensors.kinds import Placed, StrainGauge
 from ..sensors.reading import SensorChunk, peaks
+from ..wayside.watch import WaysidePassage
 from ..wheelset.reduced import COMPONENTS
 from .definitions import serialise
 from .irregularities_text import irregularities_text, listed_irregularities
@@ -168,6 +169,30 @@ def sensor_message(chunk: SensorChunk, start_ns: int) -> Message:
     return Message(chunk.topic, chunk.sensor.kind, stamp_ns, fields)
 
 
+def wayside_message(passage: WaysidePassage, start_ns: int) -> Message:
+    """Message of a passage of a detector; its own stamp is that of the last sample, with which it is complete."""
+    stamp_ns, fields = _chunk(passage, start_ns)
+    reading = passage.reading
+    channels = reading.detector.channels
+    read, true = ([getattr(verdict, name) for verdict in passage.verdicts] for name in ("read", "true"))
+    fields |= {
+        "first_sample": 0,
+        "detector": reading.detector.name,
+        "detector_position": reading.position,
+        "channels": [each.name for each in channels],
+        "types": [each.type for each in channels],
+        "units": [each.unit for each in channels],
+        "values": np.ascontiguousarray(reading.values.T).ravel(),
+        "mean_force": np.array([each.mean for each in read]),
+        "peak_force": np.array([each.peak for each in read]),
+        "dynamic_factor": np.array([each.dynamic_factor for each in read]),
+        "true_mean_force": np.array([each.mean for each in true]),
+        "true_peak_force": np.array([each.peak for each in true]),
+    }
+    last_ns = stamp_ns + round((len(reading) - 1) * passage.step_period / NANOSECOND)
+    return Message(passage.topic, "WaysideReading", last_ns, fields)
+
+
 def sample_messages(block: SampleBlock, start_ns: int) -> list[Message]:
     """Messages of the samples of a block, which may be decimated: contact forces, one stress for each node."""
     stamp_ns, chunk = _chunk(block, start_ns)
@@ -250,7 +275,7 @@ def _by_component(block: SampleBlock) -> Real:
     return np.ascontiguousarray(np.moveaxis(block.stresses, 0, -1))
 
 
-def _chunk(of: SampleBlock | State | SensorChunk, start_ns: int) -> tuple[int, dict[str, Any]]:
+def _chunk(of: SampleBlock | State | SensorChunk | WaysidePassage, start_ns: int) -> tuple[int, dict[str, Any]]:
     """Time stamp, ns, and the fields that every chunk carries."""
     stamp_ns, header = _header(of.time, start_ns)
     return stamp_ns, {

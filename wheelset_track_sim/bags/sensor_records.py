@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..runtime.arrays import Real
+from ..wayside.watch import WaysidePassage
 from .bag_reader import BagReader
-from .content import ContentError, checked_span
+from .content import ContentError, check_place, checked_span
+from .messages import wayside_message
 from .window import EVERYTHING, RunWindow
 
 CHANNELS: Mapping[str, tuple[str, ...]] = {
@@ -22,6 +25,8 @@ CHANNELS: Mapping[str, tuple[str, ...]] = {
     "Strain": ("strain", "angle"),
 }
 """Arrays of the messages of sensors, by their types."""
+WAYSIDE = "WaysideReading"
+"""Type of the messages of detectors beside the track."""
 UNITS = {"AxleBoxAcceleration": "m/s^2", "SuspensionForce": "N", "Strain": ""}
 OF_QUANTITY = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 ANGLE = "angle"
@@ -75,9 +80,11 @@ class SensorPart(NamedTuple):
 def sensor_parts(reader: BagReader, window: RunWindow = EVERYTHING) -> Iterator[SensorPart]:
     """Messages of all sensors of a bag in the order of its files, and of little more than a window.
 
+    What a detector beside the track read comes as one part for each type of its channels.
+
     Damage is reported as ``BagReader`` does.
     """
-    kinds = [kind for kind in CHANNELS if reader.topics(kind)]
+    kinds = [kind for kind in (*CHANNELS, WAYSIDE) if reader.topics(kind)]
     if not kinds:
         return
     for found in reader.stored(kinds, window):
@@ -85,8 +92,7 @@ def sensor_parts(reader: BagReader, window: RunWindow = EVERYTHING) -> Iterator[
         message = reader.decoded(found) if topic.kind in kinds else None
         if message is not None:
             relative = topic.name.removeprefix(f"{topic.prefix or ''}/")
-            part = reader.made(found, partial(_part, topic.kind, relative, message))
-            if part is not None:
+            for part in reader.made(found, partial(_parts, topic.kind, relative, message)) or ():
                 if not reader.disordered and part.time > window.stop + LATE:
                     return
                 yield part
@@ -104,7 +110,14 @@ def sensor_records(reader: BagReader, window: RunWindow, first: float, end: floa
     return {topic: _joined(each, first, end) for topic, each in sorted(parts.items())}
 
 
-def _part(kind: str, topic: str, message: Any) -> SensorPart:
+def parts_of(passage: WaysidePassage) -> list[SensorPart]:
+    """What a detector read, as a bag has it."""
+    return _parts(WAYSIDE, passage.topic, SimpleNamespace(**wayside_message(passage, 0).fields))
+
+
+def _parts(kind: str, topic: str, message: Any) -> list[SensorPart]:
+    if kind == WAYSIDE:
+        return _wayside_parts(topic, message)
     channels = CHANNELS[kind]
     checked_span(message, channels)
     values = {name: np.asarray(getattr(message, name)) for name in channels}
@@ -113,7 +126,25 @@ def _part(kind: str, topic: str, message: Any) -> SensorPart:
             raise ContentError(f"{name} from sample {message.first_sample} on is not finite")
     unit = UNITS[kind] if kind in UNITS else OF_QUANTITY.get(message.quantity, "")
     place = message.time, message.step_period, message.speed, message.position
-    return SensorPart(topic, unit, int(message.first_sample), *place, values)
+    return [SensorPart(topic, unit, int(message.first_sample), *place, values)]
+
+
+def _wayside_parts(topic: str, message: Any) -> list[SensorPart]:
+    check_place(message)
+    names, values = message.channels, np.asarray(message.values)
+    if not (len(names) == len(message.types) == len(message.units) and len(names) and len(values) % len(names) == 0):
+        raise ContentError(
+            f"its {len(values)} values are not those of {len(names)} channels with a type and a unit each"
+        )
+    if not len(values) or not np.isfinite(values).all():
+        raise ContentError("its values are none, or not finite")
+    place = message.time, message.step_period, message.speed, message.position
+    found: dict[str, tuple[str, dict[str, Real]]] = {}
+    for name, kind, unit, samples in zip(
+        names, message.types, message.units, np.split(values, len(names)), strict=True
+    ):
+        found.setdefault(kind, (unit, {}))[1][name] = samples
+    return [SensorPart(f"{topic}/{kind}", unit, 0, *place, of) for kind, (unit, of) in found.items()]
 
 
 def _joined(parts: list[SensorPart], first: float, end: float) -> SensorRecord:

@@ -33,7 +33,7 @@ UNREADABLE = (TypesysError, LookupError, ValueError, RecursionError)
 OF_NODE = (
     *("contact_forces", "axle_stress/", "summary", "impacts", "state", "fatigue"),
     *("axle_box_acceleration", "axle_box_acceleration/", "suspension_force", "suspension_force/", "sensor_summary"),
-    *("strain/", "acceleration/", "velocity/", "displacement/"),
+    *("strain/", "acceleration/", "velocity/", "displacement/", "wayside/"),
 )
 """Topics of the node, relative to its name; a slash at the end marks the beginning of several."""
 

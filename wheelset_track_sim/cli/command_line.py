@@ -16,8 +16,12 @@ from .ending import FAILED, complain, status_of
 from .parsers import (
     cache,
     compare,
+    crack,
+    dataset,
     demo,
+    explore,
     fatigue,
+    identify,
     info,
     init,
     listing,
@@ -30,15 +34,21 @@ from .parsers import (
     spectrum,
     stress,
     study,
+    wayside,
+)
+from .parsers import (
+    map as mapping,
 )
 from .parsers.nodes import OLD_RESIMULATE
 from .parsers.parser import PROGRAM, Parser
 from .warned import printed_warnings
 
 COMMANDS = (
-    *(listing.add, init.add, run.add, show.add, study.add, nodes.add_node, report.add, nodes.add_replay),
+    *(listing.add, init.add, run.add, show.add, study.add, mapping.add, dataset.add),
+    *(nodes.add_node, report.add, nodes.add_replay),
     *(nodes.add_get, nodes.add_set, nodes.add_call, nodes.add_echo, resimulate.add, recover.add, info.add),
-    *(compare.add, stress.add, spectrum.add, fatigue.add, cache.add, demo.add),
+    *(compare.add, stress.add, spectrum.add, fatigue.add, crack.add, wayside.add, identify.add),
+    *(explore.add, cache.add, demo.add),
 )
 """What adds a command each, in the order of the help."""
 

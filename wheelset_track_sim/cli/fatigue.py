@@ -14,7 +14,9 @@ from ..bags.bag import Bag
 from ..errors import InputError, RecordingError, recorded_input, warn
 from ..fatigue.axle import AxleFatigue, NodeFatigue, TurningWheel
 from ..fatigue.curve import Curve, load_curve
+from ..fatigue.findley import Findley, load_findley, node_usages
 from ..fatigue.rainflow import GATE, StressSpectrum
+from ..fatigue.scatter import ScatteredDamage
 from ..fatigue.static_stress import check_loads, static_stress
 from ..inputs import shipped
 from ..inputs.amounts import in_unit
@@ -35,6 +37,8 @@ DISTANCE = 500.0
 """Run by default, m: damage is within 0.5 % of that over all combinations of wheel angle and sleeper."""
 LONGEST = 1e7
 """m"""
+LONGEST_SERVICE = 1e11
+"""m"""
 CHUNK = 5556
 """Steps simulated at once."""
 
@@ -47,16 +51,86 @@ def fatigue(
     *,
     angles: int,
     gate: float | None,
+    criterion_name: str | None,
+    service: float | None,
     json: bool,
     warnings: Sequence[str] = (),
     mark: float = 0.0,
 ) -> int:
     """Count the cycles of a run and print its damage at each stress node; returns the exit status."""
     curve = load_curve(curve_name)
+    criterion = load_findley(criterion_name) if criterion_name else None
+    if service is not None and not 0 < service <= LONGEST_SERVICE:
+        raise InputError(f"--service {service:g} m is out of range: give more than 0 m, up to {LONGEST_SERVICE:g} m")
     found, name = counted(run, changes, curve, distance, angles=angles, gate=gate, mark=mark)
-    result = as_mapping(name, found.nodes, found.spectrum, curve) | {"warnings": [*warnings]}
-    print_object(result) if json else terminal().print(table(name, found.nodes, curve))
+    nodes, spectrum = found.nodes, found.spectrum
+    further = []
+    if curve.amplitude_scatter is not None or service is not None:
+        further.append(_scatter(nodes, spectrum, curve, service))
+    if criterion:
+        further.append(_usage(run, changes, criterion, nodes))
+    if json:
+        result = as_mapping(name, nodes, spectrum, curve)
+        for part in further:
+            result |= part.about
+            for node, values in part.values.items():
+                result["nodes"][node] |= values
+        print_object(result | {"warnings": [*warnings]})
+    else:
+        shown_as = table(name, nodes, curve)
+        for part in further:
+            for what, texts in part.rows.items():
+                shown_as.add_row(what, *texts)
+            shown_as.caption = f"{shown_as.caption}{part.note}"
+        terminal().print(shown_as)
     return 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Further:
+    """Further results of the nodes: for JSON by node, rows of text by name, and what they depend on."""
+
+    values: dict[str, dict[str, Any]]
+    rows: dict[str, list[str]]
+    about: dict[str, Any] = dataclasses.field(default_factory=dict)
+    note: str = ""
+
+
+def _scatter(nodes: Sequence[NodeFatigue], spectrum: StressSpectrum, curve: Curve, service: float | None) -> Further:
+    """Damage as a band over the scatter of the curve, and the failure probability after a distance, m."""
+    values: dict[str, dict[str, Any]] = {}
+    rows: dict[str, list[str]] = {}
+    per_node = len(spectrum.damage) // len(nodes)
+    for index, node in enumerate(nodes):
+        axle = ScatteredDamage(spectrum, index * per_node + node.worst, curve, node.distance)
+        bands = {rule: axle.band(rule, PER)[::-1] for rule in curve.rules}
+        values[node.name] = {"damage_per_1000_km_band": {rule: [*band] for rule, band in bands.items()}}
+        for what, damage in zip(("strong", "weak"), bands["elementary"], strict=True):
+            rows.setdefault(f"* elementary, {what} axle (2.5 %)", []).append(f"{damage:.3g}")
+        if service is None:
+            continue
+        failing = {rule: axle.failure_probability(rule, service) for rule in curve.rules}
+        values[node.name]["failure_probability"] = failing
+        for rule, share in failing.items():
+            rows.setdefault(f"* fail within {service / 1e3:,.0f} km, {LABELS[rule]}", []).append(f"{share:.2g}")
+    return Further(values, rows, {} if service is None else {"service_m": service})
+
+
+def _usage(run: str, changes: Sequence[str], criterion: Findley, nodes: Sequence[NodeFatigue]) -> Further:
+    """Share of the fatigue limit by Findley's criterion around each node."""
+    scenario = first_scenario(run, changes)
+    if is_bag(run):
+        reduced, blocks = reduce_wheelset(scenario.wheelset, vehicle=scenario.vehicle), iter(Bag(Path(run)).blocks())
+    else:
+        simulator = Simulator(scenario)
+        simulator.settle()
+        reduced, blocks = simulator.models.reduced, iter(lambda: simulator.advance(CHUNK), None)
+    names = [node.name for node in nodes]
+    usages = node_usages(criterion, scenario, reduced, blocks, names, points=len(nodes[0].angles))
+    values = {each.name: {"findley_usage": each.usage, "findley_angle_rad": each.angle} for each in usages}
+    rows = {"* usage of the limit, Findley": [f"{each.usage:.3f}" for each in usages]}
+    about = {"criterion": dataclasses.asdict(criterion) | {"assumed": criterion.assumed}}
+    return Further(values, rows, about, f"\n* usage by the {criterion.note}")
 
 
 def counted(
@@ -92,6 +166,16 @@ def counted(
             f"{run} has {counted_distance:g} m, less than one turn of {found.wheel.circumference:.4g} m: give more"
         )
     return found, name
+
+
+def first_scenario(run: str, changes: Sequence[str]) -> Scenario:
+    """Scenario that is simulated, or the first one of a bag; raises RecordingError for a bag without any."""
+    if not is_bag(run):
+        return load_scenario(run, changes)
+    states = Bag(Path(run)).states
+    if not states:
+        raise RecordingError(f"{run} holds no scenario, so its loads are unknown: record it with this package")
+    return recorded_scenario(Path(run), states[0].scenario)
 
 
 def is_bag(run: str) -> bool:
@@ -142,7 +226,7 @@ def simulated(scenario: Scenario, distance: float, how: How) -> tuple[AxleFatigu
 def _recorded(path: Path, distance: float | None, how: How) -> tuple[AxleFatigue, str]:
     """Fatigue of a bag, and the name of its scenario; raises RecordingError for gaps and decimated samples."""
     bag = Bag(path)
-    scenarios = [_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
+    scenarios = [recorded_scenario(path, text) for text in dict.fromkeys(state.scenario for state in bag.states)]
     if not scenarios:
         raise RecordingError(f"{path} holds no scenario, so its loads are unknown: record it with this package")
     check_loads([each.loads for each in scenarios])
@@ -171,7 +255,7 @@ def _warn_of_loads(loads: Sequence[float], first: float) -> None:
         )
 
 
-def _scenario(path: Path, text: str) -> Scenario:
+def recorded_scenario(path: Path, text: str) -> Scenario:
     """Scenario of a state; raises RecordingError."""
     try:
         with recorded_input():

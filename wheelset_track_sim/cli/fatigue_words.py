@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ..fatigue.curve import Curve
-from ..inputs.amounts import in_unit
 
 LABELS = {"elementary": "elementary", "haibach": "Haibach", "original": "original", "curve": "second slope"}
 """Rules of Miner in tables."""
@@ -13,8 +12,4 @@ PER = 1e6
 
 def by_curve(curve: Curve) -> str:
     """What the star in a table means: the constants of the curve with their source."""
-    return (
-        f"* by the S-N curve {curve.name}: {in_unit(curve.limit, 'MPa', 'Pa')} at {curve.knee_cycles:g} cycles, slope "
-        f"{curve.slope:g}, survival {curve.survival_probability:g}, mean stress {curve.mean_stress}\n"
-        f"source: {curve.source}"
-    )
+    return f"* by the {curve.note}"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from ..inputs import shipped
 from ..inputs.schema import confirmed_numbers
 from ..runtime.progress import Progress
 from ..scenario import Scenario, scenario_from
+from ..studies.arrays import write_netcdf, write_zarr
 from ..studies.conduct import Resources, conduct
 from ..studies.results import Results
 from ..studies.study import FIGURES, Study, StudyRun, load_study
@@ -40,17 +42,42 @@ class Task:
     out: Path
 
 
-def study(name: str, changes: Sequence[str], out: Path | None, resources: Resources, *, parquet: bool = False) -> int:
+FORMS: dict[str, tuple[tuple[str, ...], Callable[[Results, Path], Path]]] = {
+    "netcdf": (("xarray",), write_netcdf),
+    "zarr": (("xarray", "zarr"), write_zarr),
+}
+"""Forms of all results together: the libraries that each needs, and what writes it."""
+
+
+def study(
+    name: str,
+    changes: Sequence[str],
+    out: Path | None,
+    resources: Resources,
+    forms: Collection[str] = (),
+    *,
+    places: int | None = None,
+) -> int:
     """Run a study, or all shipped ones, and print what came out; returns the exit status.
 
     Raises InputError before anything runs for whatever cannot be used in any of them.
     """
-    if parquet:
-        require_libraries("--parquet", ("pandas", "pyarrow"))
+    require_forms(forms)
     names = shipped.names("studies") if name == ALL else [name]
-    tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
+    tasks = [task(each, changes, out / each if out and name == ALL else out, places) for each in names]
+    return carry_out(tasks, resources, forms)
+
+
+def require_forms(forms: Collection[str]) -> None:
+    """Raise InputError for a form of results, such as ``parquet``, whose libraries are not installed."""
+    for form in forms:
+        require_libraries(f"--{form}", ("pandas", "pyarrow") if form == "parquet" else FORMS[form][0])
+
+
+def carry_out(tasks: Sequence[Task], resources: Resources, forms: Collection[str]) -> int:
+    """Run tasks and print what came out; returns the exit status. Raises WheelsetTrackError if runs failed."""
     console = terminal()
-    failed = sum(_carry_out(each, resources, console, parquet=parquet) for each in tasks)
+    failed = sum(_carry_out(each, resources, console, forms) for each in tasks)
     if failed:
         raise WheelsetTrackError(
             f"{failed} run{'s' * (failed > 1)} failed, see above; the results of the others are kept"
@@ -58,13 +85,19 @@ def study(name: str, changes: Sequence[str], out: Path | None, resources: Resour
     return 0
 
 
-def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
-    """A study with all its scenarios; raises InputError for what cannot be used."""
+def task(name: str, changes: Sequence[str], out: Path | None, places: int | None = None) -> Task:
+    """A study with all its scenarios, at another number of places if given; raises InputError."""
     what = load_study(name)
+    if places is not None:
+        what = dataclasses.replace(what, places=places)
+    return task_of(Path(name).stem, what, changes, out)
+
+
+def task_of(short: str, what: Study, changes: Sequence[str], out: Path | None) -> Task:
+    """The same of a study and its name."""
     runs = what.runs(changes)
     with confirmed_numbers():
         scenario = scenario_from(what.base(changes))
-    short = Path(name).stem
     return Task(short, what, scenario, runs, out or RESULTS / _folder(short, scenario, runs, changes))
 
 
@@ -75,11 +108,12 @@ def _folder(name: str, scenario: Scenario, runs: Sequence[StudyRun], changes: Se
     return "-".join([name, *dynamics, *(re.sub(r"[^\w.]+", "_", change).strip("_") for change in others)])
 
 
-def _carry_out(task: Task, resources: Resources, console: Console, *, parquet: bool) -> int:
+def _carry_out(task: Task, resources: Resources, console: Console, forms: Collection[str]) -> int:
     """Run, draw, write and print one study; returns how many runs failed."""
     with shown() as progress:
         results, there = conduct(task.name, task.study, task.runs, task.out, resources, progress)
-        files = _draw(task, results, progress, parquet=parquet)
+        files = _draw(task, results, progress, parquet="parquet" in forms)
+        arrays = [FORMS[form][1](results, task.out) for form in forms if form in FORMS and task.study.outputs]
     found = list(tables(results))
     made_by = results.made_by if task.runs else f"Scenario {task.scenario.name}, {task.scenario.dynamics} dynamics"
     pages = write_summary(task.out, task.study.title, task.study.description, made_by, found, files)
@@ -88,8 +122,12 @@ def _carry_out(task: Task, resources: Resources, console: Console, *, parquet: b
     for table in found:
         console.print(_for_terminal(table, task.study.title))
     pictures = [path for path in files if path.suffix == ".png"]
+    if results.note:
+        console.print(results.note, highlight=False)
     for path in (*pictures, *pages):
         console.print(f"{'picture' if path in pictures else 'summary'} {path}", highlight=False, soft_wrap=True)
+    for path in arrays:
+        console.print(f"arrays {path}", highlight=False, soft_wrap=True)
     return len(results.failures)
 
 

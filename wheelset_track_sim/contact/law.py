@@ -19,6 +19,7 @@ from .geometry import ContactGeometry
 from .hertz import HertzContact
 from .influence import influence_table
 from .law_kernels import SOLVED, UNTABLED, ContactLaw
+from .ordered.hinge_kernels import Hinges
 from .ordered.nested import hinges_of, nested_contacts, no_hinges, no_nested_contacts
 from .ordered.order_kernels import NestedContacts
 from .potential_area import evenly_spaced, potential_contact_area
@@ -88,7 +89,10 @@ def _rolling_surfaces(
         tread_heights(irregularities, name, n_c, dx, wide + at) for name, at in zip(WHEELS, touch - circle, strict=True)
     ]
     rails = [
-        rail_heights(irregularities, name, rail_steps, dx, wide + at) for name, at in zip(RAILS, touch, strict=True)
+        _rail_heights(
+            tuple(each for each in irregularities if each.on == name), name, rail_steps, dx, tuple((wide + at).tolist())
+        )
+        for name, at in zip(RAILS, touch, strict=True)
     ]
     # A crown of the smaller radius needs a larger approach for the same force.
     sharper = HertzContact(
@@ -98,6 +102,14 @@ def _rolling_surfaces(
     if len(x) > n_c:
         raise InputError(f"n_c = {n_c} is less than the {len(x)} elements of the contact area: give more steps")
     return RollingSurfaces(x, y, (treads[0], treads[1]), (rails[0], rails[1]), sharper)
+
+
+@lru_cache(maxsize=2)
+def _rail_heights(
+    irregularities: tuple[Irregularity, ...], rail: str, steps: int, dx: float, y: tuple[float, ...]
+) -> RailHeights:
+    """Heights of a rail, as of ``rail_heights``: kept, for they take long, and mostly the treads alone change."""
+    return rail_heights(irregularities, rail, steps, dx, np.array(y))
 
 
 def build_contact_law(
@@ -166,7 +178,7 @@ def law_of_surfaces(
     tread = np.stack([heights[:, shown] for heights in treads])
     rail_row, rail = both_rails([RailHeights(row, heights[:, shown]) for row, heights in rails])
     places = touch[:, None] + y
-    separation = np.stack([geometry.separation(wheel, x[:, None], places[wheel]) for wheel in (0, 1)])
+    separation = _separation(geometry, x, y)
     symmetric = (separation == separation[:, :, ::-1]).all(axis=(1, 2))
     influence = influence_table(nx, ny, dx, dy, geometry.youngs_modulus, geometry.poissons_ratio)
 
@@ -184,15 +196,9 @@ def law_of_surfaces(
         else:
             stored = force_tables(gaps, influence, dx * dy, table_force, hardness, progress)
             first, points = stored.first, stored.points
-    nested = (no_nested_contacts(),) * 2
-    if _solves(table, rail_table, own):
-        nested = _nested(geometry, x, y, separation)
-    hinges = no_hinges()
-    if filtered:
-        different = nested[:1] if nested[1] is nested[0] else nested
-        along = dx * np.arange(-nx, nx + 1)
-        fall = np.stack([geometry.separation(wheel, along, touch[wheel]) for wheel in range(len(different))])
-        hinges = hinges_of(different, fall, ny, geometry.contact_modulus, dx, dy)
+    solves = _solves(table, rail_table, own)
+    nested = _nested(geometry, nx, ny, dx, dy) if solves else (no_nested_contacts(),) * 2
+    hinges = _hinges(geometry, nx, ny, dx, dy) if filtered else no_hinges()
     return ContactLaw(
         tread=tread,
         rail_row=rail_row,
@@ -239,10 +245,29 @@ def _solves(table: NDArray[np.int32], rail_table: NDArray[np.int32], smooth: int
     return bool(without or ((table >= smooth).any(axis=1) & rail_table.any(axis=1)).any())
 
 
-def _nested(geometry: ContactGeometry, x: Real, y: Real, separation: Real) -> tuple[NestedContacts, NestedContacts]:
+def _separation(geometry: ContactGeometry, x: Real, y: Real) -> Real:
+    """Separation of both nominal wheels and rails, (2, nx, ny), m, at ``x`` and ``y`` from where they touch, m."""
+    return np.stack([geometry.separation(wheel, x[:, None], geometry.touch(wheel) + y) for wheel in (0, 1)])
+
+
+@lru_cache(maxsize=4)
+def _nested(geometry: ContactGeometry, nx: int, ny: int, dx: float, dy: float) -> tuple[NestedContacts, NestedContacts]:
+    """Of both wheels; kept, for they are the same for all irregularities that need an area of that size."""
+    x, y = evenly_spaced(nx // 2, dx), evenly_spaced(ny // 2, dy)
+    separation = _separation(geometry, x, y)
     first = nested_contacts(geometry, 0, x, y, separation[0])
     alike = (separation[0] == separation[1]).all()
     return first, first if alike else nested_contacts(geometry, 1, x, y, separation[1])
+
+
+@lru_cache(maxsize=4)
+def _hinges(geometry: ContactGeometry, nx: int, ny: int, dx: float, dy: float) -> Hinges:
+    """Hinges of the filter of these contacts; kept likewise."""
+    nested = _nested(geometry, nx, ny, dx, dy)
+    different = nested[:1] if nested[1] is nested[0] else nested
+    along = dx * np.arange(-nx, nx + 1)
+    fall = np.stack([geometry.separation(wheel, along, geometry.touch(wheel)) for wheel in range(len(different))])
+    return hinges_of(different, fall, ny, geometry.contact_modulus, dx, dy)
 
 
 def _highest_within(top: Real, nx: int) -> Real:

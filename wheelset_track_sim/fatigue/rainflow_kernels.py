@@ -63,6 +63,8 @@ class Channels(NamedTuple):
     """(C, CAPACITY), Pa; the first ``DEPTH`` are turning points."""
     matrix: NDArray[np.int64]
     """(C, RANGES, MEANS) half cycles."""
+    sums: Real
+    """(C, RANGES, 2) sums of range and of mean over the half cycles of a row of the matrix, Pa."""
     crossings: NDArray[np.int64]
     """(C, LEVELS + 1): upward crossings of a level less those of the level before."""
     damage: Real
@@ -172,9 +174,10 @@ def tally(
 ) -> None:
     """Add half cycles between two turning points to the matrix and the damage."""
     span, mean = abs(end - start), (start + end) / 2
-    state.matrix[
-        channel, bin_of(span, RANGE_WIDTH, 0, RANGES - 1), bin_of(mean, MEAN_WIDTH, MEANS // 2, MEANS - 1)
-    ] += halves
+    row = bin_of(span, RANGE_WIDTH, 0, RANGES - 1)
+    state.matrix[channel, row, bin_of(mean, MEAN_WIDTH, MEANS // 2, MEANS - 1)] += halves
+    state.sums[channel, row, 0] += halves * span
+    state.sums[channel, row, 1] += halves * mean
     harm(state.damage[channel], start, end, halves, sensitivity, rules)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -160,7 +161,15 @@ class Roughness:
     def patches(self, surface: Surface, y: Real) -> Iterable[Patch]:
         """Heights on ``surface`` at lateral positions ``y``, m; those of a stretch are of that stretch alone."""
         part = part_of(surface, self.start, self.length, self.ramp)
-        yield Patch(part.first, self.field(part.steps, surface.dx, y) * part.share[:, None])
+        of_tread = self.on in WHEELS
+        heights = _tread(self, part.steps, surface.dx, tuple(y)) if of_tread else self.field(part.steps, surface.dx, y)
+        yield Patch(part.first, heights * part.share[:, None])
+
+
+@lru_cache(maxsize=8)
+def _tread(roughness: Roughness, steps: int, dx: float, y: tuple[float, ...]) -> Real:
+    """Heights of a rough tread, as of ``Roughness.field``: kept, for mostly other irregularities on it change."""
+    return roughness.field(steps, dx, np.array(y))
 
 
 def read_spectrum(file: str) -> tuple[tuple[float, float], ...]:

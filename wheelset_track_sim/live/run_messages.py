@@ -19,6 +19,7 @@ from ..bags.messages import (
     in_frame,
     sensor_messages,
     state_message,
+    wayside_message,
 )
 from ..bags.run_info import Input, RunInfo
 from ..bags.settings import RecordSettings
@@ -31,6 +32,7 @@ from ..samples.summary import Summary, summarise
 from ..samples.turns import TurnPeaks, TurnWatch
 from ..sensors.reading import SensorReaders
 from ..simulation.simulator import Simulator
+from ..wayside.watch import WaysideWatch
 from .fatigue_watch import FatigueSettings, FatigueWatch
 from .stream import Timing
 
@@ -61,7 +63,7 @@ class BlockMessages:
     states: list[Message]
     """States that begin with the block, each a group of its own; none if nothing has changed."""
     chunk: list[Message]
-    """Contact forces, stresses, summary and impacts, which belong together."""
+    """Contact forces, stresses, summary, impacts and passages of detectors, which belong together."""
     events: Events
 
 
@@ -96,6 +98,8 @@ class RunMessages:
         self._turns = TurnWatch(simulator.steps_per_revolution)
         wheel = simulator.steps_per_revolution, simulator.models.tread_origin
         self._sensors = SensorReaders(simulator.scenario.sensors, *wheel)
+        scenario = simulator.scenario
+        self._wayside = WaysideWatch(scenario.wayside, scenario.track, scenario.step_length, speed=scenario.speed)
 
     def state(self, *, status: int = RUNNING, message: str = "", recording: str = "") -> Message:
         """The state from the next step on."""
@@ -117,11 +121,14 @@ class RunMessages:
             summary=summary,
             turn=events.turn,
             channels=self._sensors.channels,
-            sensed=self._sensors.push(block),
+            sensed=self._sensors.push(block, self.simulator.in_force.sensors),
             **vars(timing),
         )
+        passed = [wayside_message(passage, self.start_ns) for passage in self._wayside.push(block)]
         return BlockMessages(
-            in_frame(states, self._frame), in_frame([*chunk, *self._impacts(impacts), *reports], self._frame), events
+            in_frame(states, self._frame),
+            in_frame([*chunk, *self._impacts(impacts), *passed, *reports], self._frame),
+            events,
         )
 
     def finish(self) -> list[Message]:

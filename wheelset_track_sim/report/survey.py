@@ -19,7 +19,9 @@ from ..inputs.text_files import without_files
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
+from ..samples.spread import Spread, TurnSpread
 from ..samples.summary import Summary, combine, summarise
+from ..samples.turns import TurnWatch
 from ..scenario import Scenario, scenario_from
 from ..verdict.bending import BendingAmplitudes
 from ..verdict.limit_set import LimitSet
@@ -124,6 +126,10 @@ class Survey:
     losses: tuple[Loss, ...] = ()
     """What of the bag is damaged or missing."""
     sensors: tuple[SensorFigures, ...] = ()
+    turns: int = 0
+    """Complete turns of the wheels."""
+    by_turn: tuple[Spread, ...] = ()
+    """Of the largest force of each wheel, N, and the largest principal stress of each node, Pa, in a turn."""
     """What each sensor gave."""
     limits: LimitSet | None = None
     """What the run is compared with."""
@@ -213,6 +219,8 @@ class _Collected:
         self._impacts: list[Impact] = []
         self._settings, self._detector = settings, self._new_detector(settings)
         self._bending = BendingAmplitudes.of(self._scenario, self._turn, first.nodes) if self._scenario else None
+        self._watch = TurnWatch(self._turn) if self._scenario else None
+        self._by_turn = TurnSpread()
         self.wheel_load = math.nan
         if self._detector and self._scenario:
             self.wheel_load = self._scenario.wheel_load
@@ -241,6 +249,9 @@ class _Collected:
         self._look_for_peak(block, samples)
         if self._bending:
             self._bending.push(block)
+        if self._watch:
+            for turn in self._watch.push(block, part):
+                self._by_turn.push(turn)
         if self._detector:
             self._keep(self._detector.push(block, wheel_load))
         if not self._speeds or self._speeds[-1][1] != block.speed:
@@ -271,6 +282,8 @@ class _Collected:
         self._welch.leave()
         if self._bending:
             self._bending.leave()
+        if self._watch:
+            self._watch = TurnWatch(self._turn)
         if self._detector:
             self._keep(self._detector.finish())
             self._detector = self._new_detector(self._settings)
@@ -339,6 +352,8 @@ class _Collected:
             speeds=tuple(self._speeds),
             in_force=_in_force(self._driven, states, self._info),
             summary=self._total,
+            turns=self._by_turn.turns,
+            by_turn=self._by_turn.spreads,
             amplitudes=self._bending.largest if self._bending else (math.nan,) * len(first.nodes),
             passage=passage,
             peak=self._peak,

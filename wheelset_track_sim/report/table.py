@@ -14,6 +14,9 @@ from ..verdict.verdicts import worst
 from .published import LoadCasePassage
 from .survey import Survey
 
+FEWEST_TURNS = 3
+"""Turns from which on their scatter is shown."""
+
 
 @dataclass(frozen=True)
 class TableRow:
@@ -48,6 +51,13 @@ def rows(run: Survey) -> list[TableRow]:
         TableRow(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
         for (label, unit), value in _figures(run.summary, load).items()
     ]
+    if run.turns >= FEWEST_TURNS:
+        names = [f"Contact force wheel {index}" for index in (1, 2)]
+        names += [f"Max. principal stress {node}" for node in run.nodes]
+        for number, (name, spread) in enumerate(zip(names, run.by_turn, strict=True)):
+            size, unit = (1e3, "kN") if number < 2 else (1e6, "MPa")
+            found.append(TableRow(f"{name}, median peak of {run.turns} turns", unit, spread.median / size))
+            found.append(TableRow(f"{name}, smallest peak of a turn", unit, spread.low / size))
     amplitudes = zip(run.nodes, run.amplitudes, strict=True)
     return found + [
         TableRow(f"Bending amplitude {node}", "MPa", of / 1e6) for node, of in amplitudes if not math.isnan(of)

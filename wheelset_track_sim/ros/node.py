@@ -369,8 +369,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             folder, name = self.parameters["record.directory"], self.parameters["record.name"]
             bag = path_below(folder, name, LONGEST_OF_FILE) if name else self.recorder.path_now(folder)
         try:
+            made = simulator.scenario
             counted = self.parameters.fatigue() is not None
-            self._outputs.create(simulator.scenario.output.stress_nodes, simulator.scenario.sensors, fatigue=counted)
+            self._outputs.create(made.output.stress_nodes, made.sensors, made.wayside, fatigue=counted)
             LifecycleNodeMixin.on_configure(self, previous)
             self._begin(simulator, bag)
         except Exception:

@@ -15,6 +15,7 @@ from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
 from ..sensors.acquisition import TRUE
 from ..sensors.kinds import Sensor
+from ..wayside.detector import WaysideDetector
 from .acknowledged import wait_for_subscribers
 from .conversions import message_type
 from .position import Motion, PositionTopics
@@ -23,8 +24,8 @@ from .position import Motion, PositionTopics
 class Outputs:
     """Publishers of one run: ``contact_forces``, ``axle_stress/*``, ``summary``, ``impacts``, and a latched ``state``.
 
-    Those of sensors follow. Forces and stresses may be decimated, each by a factor of its own; the summary is always of
-    every step. True values of sensors are recorded and not published.
+    Those of sensors and of detectors beside the track follow. Forces and stresses may be decimated, each by a factor of
+    its own; the summary is always of every step. True values of sensors are recorded and not published.
     """
 
     def __init__(
@@ -39,13 +40,21 @@ class Outputs:
         self._decimators: dict[str, BlockDecimator] = {}
         self._start_ns = 0
 
-    def create(self, stress_nodes: Sequence[str], sensors: Sequence[Sensor] = (), *, fatigue: bool = False) -> None:
+    def create(
+        self,
+        stress_nodes: Sequence[str],
+        sensors: Sequence[Sensor] = (),
+        wayside: Sequence[WaysideDetector] = (),
+        *,
+        fatigue: bool = False,
+    ) -> None:
         """Make the publishers; those of the stream publish while the node is active."""
         kinds = {"contact_forces": "ContactForces", "summary": "LoadSummary"}
         kinds |= {"impacts": "WheelImpact", "state": "SimulationState"}
         kinds |= {stress_topic(name): "AxleStress" for name in stress_nodes}
         kinds |= {sensor.topic: sensor.kind for sensor in sensors}
         kinds |= {SENSORS: "SensorSummary"} if sensors else {}
+        kinds |= {detector.topic: "WaysideReading" for detector in wayside}
         kinds |= {FATIGUE: "Fatigue"} if fatigue else {}
         for topic, kind in kinds.items():
             latched = topic in LATCHED_TOPICS

@@ -8,4 +8,5 @@ import numpy as np
 from numpy.typing import NDArray
 
 Real: TypeAlias = NDArray[np.float64]
+Single: TypeAlias = NDArray[np.float32]
 Complex: TypeAlias = NDArray[np.complex128]

@@ -70,6 +70,8 @@ def take_in(data: dict[str, Any]) -> None:
     """Put the content of files that people name in the place of their names; raises InputError."""
     for key in MODELS:
         _take_in_model(data, key, f"{key}s")
+    for standing in _standing(data):
+        _take_in_model(standing, "detector", "detectors")
     profiles = data.get("profiles")
     if isinstance(profiles, dict):
         for surface in filter(profiles.__contains__, PROFILES):
@@ -124,9 +126,16 @@ def _find_all_beside(data: dict[str, Any], folder: Path) -> None:
     for event in events if isinstance(events, list) else ():
         items += plain_brought(event)
     places += [(item, "file") for item in items]
+    places += [(standing, "detector") for standing in _standing(data)]
     for place, key in places:
         if isinstance(place, dict):
             find_beside(place, key, folder)
+
+
+def _standing(data: Mapping[str, Any]) -> list[Any]:
+    """Entries of ``wayside``."""
+    wayside = data.get("wayside")
+    return [*wayside] if isinstance(wayside, list) else []
 
 
 def find_beside(place: dict[str, Any], key: str, folder: Path) -> None:

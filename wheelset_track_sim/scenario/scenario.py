@@ -22,6 +22,7 @@ from ..runtime.cache import digest
 from ..sensors.kinds import Sensor, check_sensors
 from ..track.supports import LONGEST_STEP
 from ..track.track import Track, load_track, plain_track, read_track
+from ..wayside.detector import WaysideDetector, check_detectors
 from ..wheelset.imported import ImportedWheelset
 from ..wheelset.kinds import AnyWheelset, load_wheelset, plain_wheelset, primary_suspension, read_wheelset
 from ..wheelset.vehicle import Vehicle, plain_vehicle, read_vehicle
@@ -114,6 +115,8 @@ class Scenario:
     output: Output = field(default_factory=Output)
     sensors: tuple[Sensor, ...] = ()
     """What is measured on the wheelset beside the contact forces and stresses."""
+    wayside: tuple[WaysideDetector, ...] = ()
+    """Detectors beside the track, which the wheelset passes."""
     reference_position: float = quantity(
         "m", 0.6, 6.0, "the position along the track where angle 0 of both treads first meets the rail", default=1.8
     )
@@ -159,6 +162,7 @@ class Scenario:
         self.loads.check_weight(self.wheelset, self.axle_load)
         slowest = min(self.speed, *(point.speed for point in self.speed_plan), math.inf) / self.step_length
         check_sensors(self.sensors, self.wheelset, self.dynamics, slowest)
+        check_detectors(self.wayside, self.track, slowest, self.step_length)
         check_number(len(self.irregularities))
         around, along, dx = self.steps_per_revolution, self.line_steps, self.step_length
         _check_each(self.irregularities, around, along, dx)
@@ -247,6 +251,8 @@ class Scenario:
                 "start a new run, or leave body_mass out"
             )
         self.loads.check_change(new.loads)
+        if [each.silent for each in new.sensors] != [each.silent for each in self.sensors]:
+            raise InputError("of sensors, only noise and drift can change during a run: start a new one for others")
         if new.speed != self.speed and self.dynamics == "paper":
             raise InputError(f"speed cannot change in {self.dynamics} dynamics: start a new run, or use causal")
 

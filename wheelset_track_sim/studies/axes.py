@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import InputError
 from ..inputs import amounts, units
 from ..inputs.schema import keyed, unknown
+from ..runtime.arrays import Real
 from ..scenario import suspect
 from ..scenario.meaning import meaning_of
+from .distributions import Distribution, is_distribution, read_distribution
 
 MOST_POINTS = 10_000
 
-FORMS = "a list of values such as 100 km/h, {start, stop, step}, {values}, or labels with {key: value} each"
+FORMS = (
+    "a list of values such as 100 km/h, {start, stop, step}, {values}, {distribution: uniform, normal or lognormal}, "
+    "or labels with {key: value} each"
+)
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,13 @@ class Axis:
     """What is varied, as people read it."""
     unit: str
     """SI unit of the values."""
+    distribution: Distribution | None = None
+    """What the values are drawn from; the points of all axes with one belong together, draw by draw."""
+
+    def drawn(self, shares: Real) -> Axis:
+        """The same axis with a point for each share of probability (n,)."""
+        assert self.distribution is not None
+        return replace(self, points=_points(self.name, self.distribution.values(shares).tolist(), self.unit))
 
     @property
     def is_numeric(self) -> bool:
@@ -65,6 +78,8 @@ class Axis:
 def read_axis(name: str, data: Any, where: str) -> Axis:
     """Axis of a study's ``vary``; raises InputError naming ``where``."""
     meaning, si = meaning_of(name)
+    if is_distribution(data):
+        return Axis(name, (), meaning, si, read_distribution(data, si, where))
     if isinstance(data, Mapping) and data and all(isinstance(changes, Mapping) for changes in data.values()):
         for label, changes in data.items():
             for key, value in changes.items():
@@ -77,13 +92,23 @@ def read_axis(name: str, data: Any, where: str) -> Axis:
     values = _values(data, si, where)
     for value in data if isinstance(data, list) else ():
         suspect(name, value, where)
-    numeric = all(isinstance(value, float) for value in values)
-    unit = units.for_people(si) if numeric else units.ShownUnit("")
-    points = [
-        Point(f"{value / unit.size:.6g} {unit.name}".rstrip() if numeric else str(value), value, ((name, value),))
-        for value in values
-    ]
-    return Axis(name, _distinct(points, where), meaning, si if numeric else "")
+    si = si if all(isinstance(value, float) for value in values) else ""
+    return Axis(name, _distinct(_points(name, values, si), where), meaning, si)
+
+
+def combinations(axes: Sequence[Axis]) -> Iterator[tuple[Point, ...]]:
+    """Points of each run, one on each axis: all combinations of values, the last axis fastest, each with all draws."""
+    draws = next((range(len(axis.points)) for axis in axes if axis.distribution), range(1))
+    choices = ((None,) if axis.distribution else axis.points for axis in axes)
+    for chosen, draw in itertools.product(itertools.product(*choices), draws):
+        yield tuple(point or axis.points[draw] for axis, point in zip(axes, chosen, strict=True))
+
+
+def _points(name: str, values: Iterable[Any], si: str) -> tuple[Point, ...]:
+    """Points of the values of a key; those that are numbers are shown in the unit that people read."""
+    unit = units.for_people(si)
+    shown = (f"{v / unit.size:.6g} {unit.name}".rstrip() if isinstance(v, float) else str(v) for v in values)
+    return tuple(Point(label, value, ((name, value),)) for label, value in zip(shown, values, strict=True))
 
 
 def _values(data: Any, si: str, where: str) -> list[Any]:

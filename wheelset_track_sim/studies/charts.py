@@ -65,6 +65,10 @@ class Lines:
         axes = {axis.name: axis for axis in study.axes}
         if self.x not in axes:
             raise InputError(unknown("axis of the study", f"{where}.x = {self.x!r}", self.x, [*axes]))
+        if any(axis.distribution for axis in study.axes):
+            raise InputError(
+                f"{where} has lines, which need axes of values: draw distributions as map or sensitivities"
+            )
         if not self.panels:
             raise InputError(f"{where}.panels is empty: give at least one panel with its outputs y")
         for index, panel in enumerate(self.panels):
@@ -114,10 +118,15 @@ class Lines:
                 kind = DASHES[order % len(DASHES)] if along.is_numeric else "none"
                 y = np.array([results.value(index, name) for index in indices]) / shown.size
                 axes.plot(at, y, linestyle=kind, markersize=4 if len(x) <= MOST_MARKERS else 0, **look)
+                low, high = np.array([results.ends(index, name) for index in indices]).T / shown.size
+                if np.isfinite(low).any() and along.is_numeric:
+                    axes.fill_between(at, low, high, color=look["color"], alpha=0.2, linewidth=0)
+                elif np.isfinite(low).any():
+                    axes.vlines(at, low, high, color=look["color"], alpha=0.5)
                 paper = np.array([results.published(index, name) for index in indices]) / shown.size
                 compared = compared or bool(np.isfinite(paper).any())
                 axes.plot(at, paper, **PAPER, **look)
-        low, high = axes.get_ylim()
+        low, high = (float(end) for end in axes.get_ylim())
         axes.set_ylim(low if low > 0.5 * high else min(0.0, 0.0 if low > -0.1 * high else low), high)
         limits = results.limits.force if results.limits else ()
         for limit in limits if {*panel.y} <= {*FORCES} else ():

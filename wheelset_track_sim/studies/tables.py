@@ -16,11 +16,15 @@ from ..scenario import WHEELS
 from ..verdict.limit_set import LimitSet
 from . import drawing
 from .histories import DISTANCE
+from .maps import limits_of
 from .outputs import label_of, unit_of
 from .results import Results
+from .sensitivities import indices as sobol
 
 MOST_ROWS = 30
 """Runs that are shown one by one; of more, the extremes along the longest axis are."""
+QUANTILES = (0.05, 0.5, 0.95)
+"""Shares of the draws of which a table has the quantiles."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,10 @@ def _tables(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
     columns["dynamics"] = [run.scenario.dynamics for run in results.runs]
     for name in results.study.outputs:
         columns[units.with_unit(label_of(name), unit_of(name))] = [results.value(index, name) for index in indices]
+    for name in results.study.outputs if results.study.places > 1 else ():
+        ends = [results.ends(index, name) for index in indices]
+        for column, word in enumerate(("smallest", "largest")):
+            columns[units.with_unit(f"{label_of(name)}, {word}", unit_of(name))] = [pair[column] for pair in ends]
     for name in results.study.outputs:
         paper = [results.published(index, name) for index in indices]
         if np.isfinite(paper).any():
@@ -74,7 +82,11 @@ def _tables(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
 def tables(results: Results) -> Iterator[ResultTable]:
     """Tables for people: all runs or their extremes, and what the paper prints beside."""
     if results.study.outputs:
-        yield _runs(results) if len(results.runs) <= MOST_ROWS else _extremes(results)
+        if any(axis.distribution for axis in results.axes):
+            yield _statistics(results)
+            yield from _sensitivities(results)
+        else:
+            yield _runs(results) if len(results.runs) <= MOST_ROWS else _extremes(results)
     compared = tuple(_compared(results))
     if compared:
         yield ResultTable("Beside the paper", ("run", "quantity", "this study", "paper", "difference"), compared)
@@ -95,7 +107,7 @@ def _runs(results: Results) -> ResultTable:
     shown = [units.for_people(unit_of(name)) for name in names]
     headings = [units.with_unit(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
     values = [
-        [number(results.value(index, name) / unit.size) for name, unit in zip(names, shown, strict=True)]
+        [_with_ends(results, index, name, unit.size) for name, unit in zip(names, shown, strict=True)]
         for index in range(len(results.runs))
     ]
     if results.limits is not None:
@@ -114,6 +126,13 @@ def _verdict(limits: LimitSet) -> str:
 def _level(results: Results, index: int) -> str:
     """Verdict on a run in a word."""
     return results.verdict(index).word if index in results.found else "–"
+
+
+def _with_ends(results: Results, index: int, name: str, size: float) -> str:
+    """A value, with the smallest and the largest over places of the bay behind it."""
+    low, high = (end / size for end in results.ends(index, name))
+    ends = "" if math.isnan(low) else f" ({number(low)} to {number(high)})"
+    return number(results.value(index, name) / size) + ends
 
 
 def _extremes(results: Results) -> ResultTable:
@@ -143,6 +162,50 @@ def _extremes(results: Results) -> ResultTable:
     others = [axis.meaning for axis in results.axes if axis is not longest]
     headings = (*others, "quantity", "largest", "smallest")
     return ResultTable(f"Extremes over the {longest.meaning}", headings, tuple(rows))
+
+
+def _statistics(results: Results) -> ResultTable:
+    """Mean, deviation and quantiles of every output over the draws, for each combination of the other axes."""
+    grid = [axis for axis in results.axes if axis.distribution is None]
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for index in range(len(results.runs)):
+        groups.setdefault(tuple(results.point(index, axis.name).label for axis in grid), []).append(index)
+    limits, rows = limits_of(results.study), []
+    for place, runs in groups.items():
+        for name in results.study.outputs:
+            shown = units.for_people(unit_of(name))
+            values = np.array([results.value(run, name) for run in runs]) / shown.size
+            values = values[np.isfinite(values)]
+            if not len(values):
+                continue
+            spread = float(values.std(ddof=1)) if len(values) > 1 else math.nan
+            numbers = [float(values.mean()), spread, *np.quantile(values, QUANTILES).tolist()]
+            above = [
+                f"{100 * np.mean(values > limit / shown.size):.3g} % above {limit / shown.size:g} {shown.name}".rstrip()
+                for limit in limits.get(name, [])
+            ]
+            what = units.with_unit(label_of(name), shown.name)
+            rows.append((*place, what, *map(number, numbers), ", ".join(above)))
+    quantiles = (f"{100 * share:g} %" for share in QUANTILES)
+    headings = (*(axis.meaning for axis in grid), "quantity", "mean", "deviation", *quantiles, "limits")
+    columns = headings if limits else headings[:-1]
+    return ResultTable("Over the draws", columns, tuple(row[: len(columns)] for row in rows))
+
+
+def _sensitivities(results: Results) -> Iterator[ResultTable]:
+    """Sobol's indices of every output that has them."""
+    rows = []
+    for name in results.study.outputs:
+        found = sobol(results, name)
+        if found is not None:
+            pairs = zip(results.axes, found.first, found.total, strict=True)
+            rows += [
+                (label_of(name), axis.meaning, *(f"{share:.2f} ± {half:.2f}" for share, half in (first, total)))
+                for axis, first, total in pairs
+            ]
+    if rows:
+        headings = ("quantity", "varied", "first order", "total")
+        yield ResultTable("Shares of the variance (Sobol's indices)", headings, tuple(rows))
 
 
 def _compared(results: Results) -> Iterator[tuple[str, ...]]:

@@ -23,6 +23,7 @@ Accuracy: elements with consistent mass (``timoshenko``), whose nodal statics ar
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ class HalfSleeper:
     stiffness: Real  # (n, n)
     seat: Real  # (n,) shape functions at the rail seat
 
-    def receptance(self, omega: Real) -> Complex:
+    def receptance(self, omega: NDArray[Any]) -> Complex:
         """Receptance (...,) at the rail seat, m/N, at ``omega`` (rad/s), from the poles of the half sleeper.
 
         The state [u, u'] has poles p and shapes; the receptance is the sum of residue / (i omega - p).

@@ -35,12 +35,13 @@ Source: derived here; Bloch (Floquet) waves of a periodic structure.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..runtime.arrays import Complex, Real
+from ..runtime.arrays import Complex
 from .bay import half_sleeper
 from .timoshenko import deflection_row, transfer_matrix
 from .track import HALVES, Half, Track
@@ -64,12 +65,12 @@ class BlochTrack:
     """A half track at given frequencies: its decaying waves and the response of all sleepers' rail points to a load."""
 
     track: Track
-    omega: Real  # (f,) rad/s
+    omega: NDArray[Any]  # (f,) rad/s, complex if the frequencies are
     factors: Complex  # (2, f) z of the two waves, |z| <= 1: the change from one bay to the next
     waves: Complex  # (2, 2, f) [unknown, wave]: v = [w, theta] of the wave that runs towards +x
     amplitudes: Complex  # (2, 2, f) [wave, load]: of the waves for a unit force and a unit moment at a sleeper
-    to_state: Real  # (f, 2, 2) inverse of the block of a bay's transfer matrix from [Q, M] to [w, theta]
-    across: Real  # (f, 2, 2) the block from [w, theta] to [w, theta]
+    to_state: NDArray[Any]  # (f, 2, 2) inverse of the block of a bay's transfer matrix from [Q, M] to [w, theta]
+    across: NDArray[Any]  # (f, 2, 2) the block from [w, theta] to [w, theta]
 
     def receptance(self, x_load: float, x_response: ArrayLike) -> Complex:
         """Deflection (responses, frequencies) at ``x_response`` for a unit force at ``x_load``, m/N."""
@@ -91,7 +92,7 @@ class BlochTrack:
                 result[i] += self._local(min(inside, s), max(inside, s))
         return result
 
-    def interpolation(self, x: float) -> Real:
+    def interpolation(self, x: float) -> NDArray[Any]:
         """Exact dynamic shape functions (4, f) at ``x`` in a bay: its deflection from ``[w, theta]`` at both ends.
 
         By reciprocity they are also the shares of a load at ``x`` that reach the two ends.
@@ -99,9 +100,10 @@ class BlochTrack:
         row = deflection_row(self.track.rail, self.omega, x)
         ahead = np.einsum("fs,fsu->fu", row[:, 2:], self.to_state)
         behind = row[:, :2] - np.einsum("fv,fvu->fu", ahead, self.across)
-        return np.concatenate([behind, ahead], axis=1).T
+        shares: NDArray[Any] = np.concatenate([behind, ahead], axis=1).T
+        return shares
 
-    def node(self, node: int, shares: Real) -> Complex:
+    def node(self, node: int, shares: NDArray[Any]) -> Complex:
         """``[w, theta]`` (2, f) at sleeper ``node`` for a load in bay 0 with ``shares`` (4, f) on its two ends."""
         u = np.zeros((2, self.omega.size), dtype=np.complex128)
         for end in range(2):
@@ -114,25 +116,29 @@ class BlochTrack:
                 u += mirror * self.waves[:, wave] * amplitude
         return u
 
-    def _local(self, low: float, high: float) -> Real:
+    def _local(self, low: float, high: float) -> NDArray[Any]:
         """Deflection (f,) at one of two positions of a bay, its ends held, for a unit force at the other."""
         length = self.track.spacing
         rail = self.track.rail
         # Behind the load the state jumps by -1 in Q; the ends are brought back to rest by the shape functions.
         jump = transfer_matrix(rail, self.omega, length - low)[:, :2, 2]
         right = self.interpolation(high)[2:]
-        local: Real = right[0] * jump[:, 0] + right[1] * jump[:, 1]
-        return local - deflection_row(rail, self.omega, high - low)[:, 2]
+        local: NDArray[Any] = right[0] * jump[:, 0] + right[1] * jump[:, 1]
+        local -= deflection_row(rail, self.omega, high - low)[:, 2]
+        return local
 
 
 def bloch_track(track: Track, half: Half, frequencies: ArrayLike) -> BlochTrack:
-    """Bloch waves of a half track at ``frequencies`` in Hz; raises InputError if one is not in 0 to 10 kHz."""
-    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
-    if not np.all((frequencies >= 0.0) & (frequencies <= MAX_FREQUENCY)):
+    """Bloch waves of a half track at ``frequencies`` in Hz; raises InputError if one is not in 0 to 10 kHz.
+
+    Complex frequencies with a negative imaginary part are those of motion that decays, and waves decay faster there.
+    """
+    frequencies = np.atleast_1d(np.asarray(frequencies))
+    if not np.all((frequencies.real >= 0.0) & (frequencies.real <= MAX_FREQUENCY) & (frequencies.imag <= 0.0)):
         raise InputError(f"frequencies are out of range: give 0 to {MAX_FREQUENCY:g} Hz")
     omega = 2.0 * np.pi * frequencies
     T = transfer_matrix(track.rail, omega, track.spacing)
-    to_state: Real = np.asarray(np.linalg.inv(T[:, :2, 2:]), dtype=np.float64)
+    to_state: NDArray[Any] = np.linalg.inv(T[:, :2, 2:])
     across = T[:, :2, :2]
     D_11, D_12 = to_state @ across, -to_state
     pad = track.pad.stiffness + 1j * omega * track.pad.damping
@@ -153,7 +159,9 @@ def bloch_track(track: Track, half: Half, frequencies: ArrayLike) -> BlochTrack:
     return BlochTrack(track, omega, z, waves, _amplitudes(P, R, a, b, d, z, waves), to_state, across)
 
 
-def _amplitudes(P: Complex, R: Complex, a: Real, b: Real, d: Real, z: Complex, waves: Complex) -> Complex:
+def _amplitudes(
+    P: Complex, R: Complex, a: NDArray[Any], b: NDArray[Any], d: NDArray[Any], z: Complex, waves: Complex
+) -> Complex:
     """Amplitudes (2, 2, f) [wave, load] of the waves ahead of a unit force and a unit moment at a sleeper.
 
     A force leaves no rotation at its sleeper, a moment no deflection; the waves behind are their mirror images.

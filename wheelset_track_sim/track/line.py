@@ -12,7 +12,7 @@ rail 2 up to the next sleeper, the modes of the sleeper. All masses of modes are
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -204,11 +204,12 @@ class TrackLine:
 def track_line(track: Track) -> TrackLine:
     """Line of a track; one without a ``line`` has the same supports everywhere."""
     multiples: Along = along(track.line or SupportLine())
+    bay = replace(track, line=None)  # lines that differ in their supports have these in common
     nowhere = np.zeros_like(multiples.gap)
     return TrackLine(
         track=track,
-        span=rail_span(track),
-        sleeper=sleeper_modes(track),
+        span=rail_span(bay),
+        sleeper=sleeper_modes(bay),
         pad_stiffness=multiples.pad_stiffness * track.pad.stiffness,
         pad_damping=multiples.pad_damping * track.pad.damping,
         ballast_stiffness=multiples.ballast_stiffness * track.ballast.stiffness if track.ballast else nowhere,
@@ -217,6 +218,7 @@ def track_line(track: Track) -> TrackLine:
     )
 
 
+@lru_cache(maxsize=8)
 def rail_span(track: Track) -> RailSpan:
     """Rail of a bay: static shapes of its ends and lowest modes with held ends (Craig and Bampton, as in ``bay``)."""
     K, M = _beam(track.rail, track.spacing, RAIL_ELEMENTS)
@@ -232,6 +234,7 @@ def rail_span(track: Track) -> RailSpan:
     return RailSpan(track, mass[:4, :4], mass[:4, 4:], stiffness[:4, :4], modes, basis)
 
 
+@lru_cache(maxsize=8)
 def sleeper_modes(track: Track) -> SleeperModes:
     """Free modes of the whole sleeper and its static shapes on the track's own ballast under loads on the seats."""
     sleeper, ballast = track.sleeper, track.ballast

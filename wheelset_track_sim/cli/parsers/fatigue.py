@@ -29,6 +29,7 @@ def add(commands: Commands) -> None:
             "run.mcap --curve my_curve.yaml --json",
             "monday.mcap tuesday.mcap --ledger axle_7.ledger --axle 'axle 7'",
             "damage_wheel_1 --mission intercity --distance '30000 km'",
+            "press_fit --criterion assumed_findley",
         ],
     )
     run = fatigue.add_argument(
@@ -86,6 +87,19 @@ def add(commands: Commands) -> None:
         help="speeds, loads and growing damage: a file, or a name of list missions",
     )
     completed(mission, lambda **_: shipped.names("missions"))
+    criterion = fatigue.add_argument(
+        "--criterion",
+        metavar="CRITERION",
+        help="also the usage of the fatigue limit by Findley's criterion: a file, or a name that list criteria prints",
+    )
+    completed(criterion, lambda **_: shipped.names("criteria"))
+    fatigue.add_argument(
+        "--service",
+        action=Amount,
+        unit="m",
+        metavar="DISTANCE",
+        help="also the probability that an axle fails within it, such as '1e6 km'",
+    )
     takes_json(fatigue)
     fatigue.set_defaults(command=_fatigue)
 
@@ -99,6 +113,11 @@ def _fatigue(options: argparse.Namespace) -> int:
     how: Any = {name: getattr(options, name) for name in ("angles", "gate", "json", "warnings")}
     one = options.run[0] if len(options.run) == 1 and not is_ledger(options.run[0]) else None
     common = options.set, options.curve, options.distance
+    of_one = {"criterion": options.criterion, "service": options.service}
+    if one is None or keep is not None or options.mission is not None:
+        for option, given in of_one.items():
+            if given is not None:
+                raise InputError(f"--{option} is of one run alone: leave out --{option}, or give one run and no more")
     if options.mission is not None:
         if one is None or is_bag(one) or keep is not None or options.mark:
             raise InputError(
@@ -106,7 +125,9 @@ def _fatigue(options: argparse.Namespace) -> int:
             )
         return fatigue_of_mission(one, *common, options.mission, **how)
     if one is not None and keep is None:
-        return fatigue(one, *common, mark=options.mark, **how)
+        return fatigue(
+            one, *common, mark=options.mark, criterion_name=options.criterion, service=options.service, **how
+        )
     return fatigue_of_several(options.run, *common, mark=options.mark, keep=keep, **how)
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...inputs import shipped
 from ...verdict.limit_set import DEFAULT_LIMITS
 from .parser import Amount, Parser, completed
+
+if TYPE_CHECKING:
+    from ...studies.conduct import Resources
 
 
 def takes_bag(command: Parser, and_then: str = "") -> None:
@@ -54,6 +58,36 @@ def takes_shipped(command: Parser, name: str, further: str = "") -> None:
     what = f"a file, or a name that list {kind} prints{further}"
     named = command.add_argument(name, metavar=name.upper(), help=what)
     completed(named, lambda prefix, **_: [*shipped.names(kind), *map(str, Path().glob(f"{prefix}*"))])
+
+
+def takes_resources(command: Parser) -> None:
+    """Add ``--workers`` and ``--scheduler``."""
+    command.add_argument(
+        "--workers", type=int, metavar="N", help="number of processes on this machine (default: one per core)"
+    )
+    command.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on a Dask cluster; the address of its scheduler, such as tcp://host:8786",
+    )
+
+
+def resources_of(options: argparse.Namespace) -> Resources:
+    """Where runs are simulated, as the options say."""
+    from ...studies.conduct import Resources
+
+    return Resources(options.workers, options.scheduler)
+
+
+def takes_forms(command: Parser) -> None:
+    """Add ``--parquet``, ``--netcdf`` and ``--zarr``: further forms of results."""
+    for form, what in (
+        ("parquet", "the tables as Parquet"),
+        ("netcdf", "all outputs over their axes as NetCDF"),
+        ("zarr", "all outputs over their axes as Zarr"),
+    ):
+        text = f"also write {what} (needs the extra analysis)"
+        command.add_argument(f"--{form}", action="append_const", const=form, dest="forms", default=[], help=text)
 
 
 def takes_kind(command: Parser, **options: Any) -> None:

@@ -28,6 +28,7 @@ def add(commands: Commands) -> None:
             "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
             "mine.yaml --duration '2 min' --out run.mcap --threshold '250 kN'",
             "mine.yaml --out run.csv",
+            "flat_fresh --places 12",
         ],
     )
     takes_shipped(run, "scenario")
@@ -72,6 +73,13 @@ def add(commands: Commands) -> None:
     )
     completed(curve, lambda **_: shipped.names("woehler"))
     takes_limits(run)
+    run.add_argument(
+        "--places",
+        type=int,
+        default=1,
+        metavar="N",
+        help="also simulate N places of the bay at which the damage meets the rail, and print the extremes over them",
+    )
     takes_json(run)
     run.set_defaults(command=_run)
 
@@ -90,6 +98,7 @@ def _run(options: argparse.Namespace) -> int:
         settings=settings,
         impacts=impacts,
         limits=options.limits,
+        places=options.places,
         fatigue=_fatigue(options),
         warnings=options.warnings,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .options import takes_changes, takes_shipped
+from .options import resources_of, takes_changes, takes_forms, takes_resources, takes_shipped
 from .parser import Commands, command
 
 
@@ -27,23 +27,18 @@ def add(commands: Commands) -> None:
     takes_changes(study, "change a key in all runs, such as 'speed=100 km/h'")
     study.add_argument("--dynamics", metavar="NAME", help="causal or paper, in all runs")
     study.add_argument(
-        "--workers", type=int, metavar="N", help="number of processes on this machine (default: one per core)"
+        "--places",
+        type=int,
+        metavar="N",
+        help="repeat each run with the damage meeting the rail at N places of the bay (default: what the study says)",
     )
-    study.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="run on a Dask cluster; the address of its scheduler, such as tcp://host:8786",
-    )
-    study.add_argument(
-        "--parquet", action="store_true", help="also write the tables as Parquet (needs the extra analysis)"
-    )
+    takes_resources(study)
+    takes_forms(study)
     study.set_defaults(command=_study)
 
 
 def _study(options: argparse.Namespace) -> int:
-    from ...studies.conduct import Resources
     from ..study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    resources = Resources(options.workers, options.scheduler)
-    return study(options.study, changes, options.out, resources, parquet=options.parquet)
+    return study(options.study, changes, options.out, resources_of(options), options.forms, places=options.places)
