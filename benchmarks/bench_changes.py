@@ -18,12 +18,17 @@ from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.simulation.simulator import Simulator
 
 KINDS = {
-    "flat": "{type: flat, on: wheel_1, length: 0.04}",
-    "polygon": "{type: polygon, on: wheel_1, harmonics: [{order: 3, amplitude: 5.0e-5}]}",
-    "roughness of a tread": "{type: roughness, on: wheel_1}",
-    "corrugation": "{type: corrugation, on: rail_1, wavelength: 0.06, amplitude: 2.0e-5}",
-    "roughness of both rails": "{type: roughness, on: rail_1}, {type: roughness, on: rail_2, seed: 1}",
+    "flat": "{type: flat, on: wheel_1, length: 0.04N}",
+    "polygon": "{type: polygon, on: wheel_1, harmonics: [{order: 3, amplitude: 5.0Ne-5}]}",
+    "roughness of a tread": "{type: roughness, on: wheel_1, seed: N}",
+    "corrugation": "{type: corrugation, on: rail_1, wavelength: 0.06, amplitude: 2.0Ne-5}",
+    "roughness of both rails": "{type: roughness, on: rail_1, seed: N}, {type: roughness, on: rail_2, seed: 1N}",
+    "roughness of four surfaces": ", ".join(
+        f"{{type: roughness, on: {surface}, seed: {place}N}}"
+        for place, surface in enumerate(("wheel_1", "wheel_2", "rail_1", "rail_2"))
+    ),
 }
+"""Irregularities with a digit N that differs in every round: what was there before is known, and answers at once."""
 STARTS = {"import": "import wheelset_track_sim.simulation.simulator", "first chunk": FIRST_CHUNK}
 
 
@@ -44,10 +49,10 @@ def change(kind: str, rounds: int = 5) -> dict[str, Any]:
     """Least time of the processor, s, in which a running simulator accepts irregularities, then none again."""
     simulator = Simulator(load_scenario("undamaged"))
     simulator.advance(100)
-    irregular = listed(f"[{KINDS[kind]}]", str)
     best = float("inf")
     for round_ in range(rounds + 1):
-        for irregularities in (tuple(irregular), ()):
+        new = listed(f"[{KINDS[kind].replace('N', str(round_))}]", str)
+        for irregularities in (tuple(new), ()):
             wanted = dataclasses.replace(simulator.scenario, irregularities=irregularities)
             begun = time.process_time()
             revision = simulator.apply(wanted)

@@ -288,6 +288,10 @@ def more(r: Results) -> str:
         ),
         ("acceleration at both axle boxes, share of the coupled step", _share(r.fact("test_two_axle_boxes", "share"))),
         *(
+            (f"fatigue at three nodes and 36 angles, share of the run, {run['case']}", _share(run["to_run"]))
+            for run in r.facts("test_three_nodes_at_36_angles[")
+        ),
+        *(
             (
                 f"resident memory of the {MEMORY[what]} over an hour, first minute left out",
                 _span(r, f"test_memory_of_{what}"),
@@ -370,6 +374,21 @@ def passages(r: Results) -> str:
     )
 
 
+def wayside(r: Results) -> str:
+    """Passages of wayside detectors."""
+    rows = [
+        (
+            run["detector"],
+            run["channels"],
+            number(run["passage_s"], 3),
+            number(run["new_speed_s"], 2),
+            number(run["to_simulation"], 2),
+        )
+        for run in r.facts("test_wayside[")
+    ]
+    return table(("detector", "channels", "a passage, s", "at a new speed, s", "to its simulation"), rows)
+
+
 def contact_filter(r: Results) -> str:
     """Rough and out-of-round wheels against smooth ones."""
     rows = []
@@ -414,6 +433,7 @@ SECTIONS: dict[str, Callable[[Results], str]] = {
     "reference": reference,
     "filter": contact_filter,
     "passages": passages,
+    "wayside": wayside,
     "lines": lines,
     "changes": changes,
     "scaling": scaling,

@@ -42,7 +42,7 @@ PATTERNS = {
 with (ROOT / "tests" / "data" / "rosdep_keys.csv").open() as file:
     KEYS = {row["key"]: row for row in csv.DictReader(line for line in file if not line.startswith("#"))}
 """What rosdep installs for each key, as it was looked up in rosdistro."""
-UNITS = r"(N|Pa|m|s|rad|m/s|m/s\^2)"
+UNITS = r"(N|Pa|m|s|rad|Hz|m/s|m/s\^2)"
 
 
 @pytest.mark.parametrize("path", MANIFESTS, ids=["package", "messages"])
@@ -118,7 +118,7 @@ def test_every_import_has_its_dependency_and_every_dependency_is_imported():
     optional = set(
         re.findall(
             r"^[\w.-]+",
-            "\n".join(extras[name] for name in ("prometheus", "report", "dask", "analysis", "completion")),
+            "\n".join(extras[name] for name in ("prometheus", "report", "explore", "dask", "analysis", "completion")),
             re.M,
         )
     )

@@ -13,7 +13,7 @@ from tools.api_page import PAGE, page
 
 NAMES = [name for name in wts.__all__ if not name.startswith("_")]
 ERRORS = [name for name in NAMES if name.endswith("Error")]
-RESULTS = ["Resimulation", "WaysideReading"]
+RESULTS = ["Identification", "Prediction", "Resimulation", "WaysideReading"]
 """What functions return: their example has it."""
 
 

@@ -20,7 +20,12 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 SETUP = (ROOT / "tools" / "setup_env.py").read_text(encoding="utf-8")
 SCENARIOS = {path.name for path in (ROOT / "config" / "scenarios").glob("*.yaml")}
 MESSAGES = {path.name for path in (ROOT / "msg_defs").glob("*/*") if path.suffix in {".msg", ".srv"}}
-REPORT = {path.name for path in (ROOT / "wheelset_track_sim" / "report").iterdir() if path.suffix in {".css", ".js"}}
+ASSETS = {
+    str(path.relative_to(ROOT))
+    for folder in ("report", "explore")
+    for path in (ROOT / "wheelset_track_sim" / folder).iterdir()
+    if path.suffix in {".css", ".js"}
+}
 
 
 @pytest.fixture
@@ -131,7 +136,7 @@ def test_wheel_holds_real_copies(source, tmp_path, request):
     assert {name.split("/")[-1] for name in names if "/data/msg_defs/" in name} == MESSAGES
     sources = {str(path.relative_to(ROOT)) for path in (ROOT / "wheelset_track_sim").rglob("*.py")}
     assert {name for name in names if name.startswith("wheelset_track_sim/") and name.endswith(".py")} == sources
-    assert {"wheelset_track_sim/py.typed", *(f"wheelset_track_sim/report/{name}" for name in REPORT)} <= set(names)
+    assert {"wheelset_track_sim/py.typed", *ASSETS} <= set(names)
 
 
 def metadata(tree, **env):

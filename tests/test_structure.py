@@ -13,8 +13,8 @@ PACKAGE = "wheelset_track_sim"
 LAYERS = (
     *("version", "errors", "runtime", "inputs", "samples", "wheelset", "sensors", "track", "wayside"),
     *("irregularities", "contact"),
-    *("scenario", "dynamics", "simulation", "fatigue", "bags", "live", "twin"),
-    *("monitoring", "report", "studies", "dataset", "ros", "cli"),
+    *("scenario", "dynamics", "simulation", "fatigue", "verdict", "bags", "live", "twin", "identification"),
+    *("monitoring", "report", "studies", "dataset", "ros", "explore", "cli"),
 )
 """From low to high: a folder, or a module beside the folders, imports only from itself and from those before it."""
 

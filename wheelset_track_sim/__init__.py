@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .dynamics.moving_green_functions import moving_green_functions
     from .dynamics.responses import green_function, receptance
     from .errors import InputError, InputWarning, WheelsetTrackError
+    from .identification import Identification, Observation, PeakReading, Prediction, identify, predict
     from .live.run_messages import record
     from .samples.block import SampleBlock
     from .scenario import Scenario, load_scenario
@@ -52,9 +53,13 @@ if TYPE_CHECKING:
 _PLACES = {
     "Detector": "wayside.detector",
     "Fleet": "simulation.fleet",
+    "Identification": "identification",
     "InputError": "errors",
     "InputWarning": "errors",
+    "Observation": "identification",
     "Passages": "simulation.passages",
+    "PeakReading": "identification",
+    "Prediction": "identification",
     "Recording": "bags",
     "Resimulation": "twin",
     "SampleBlock": "samples.block",
@@ -64,6 +69,7 @@ _PLACES = {
     "WaysideReading": "wayside.history",
     "WheelsetTrackError": "errors",
     "green_function": "dynamics.responses",
+    "identify": "identification",
     "load_detector": "wayside.detector",
     "load_scenario": "scenario",
     "load_study": "studies",
@@ -71,6 +77,7 @@ _PLACES = {
     "load_vehicle": "wheelset.vehicle",
     "load_wheelset": "wheelset.kinds",
     "moving_green_functions": "dynamics.moving_green_functions",
+    "predict": "identification",
     "read_bag": "bags",
     "receptance": "dynamics.responses",
     "record": "live.run_messages",
@@ -82,9 +89,13 @@ _PLACES = {
 __all__ = [
     "Detector",
     "Fleet",
+    "Identification",
     "InputError",
     "InputWarning",
+    "Observation",
     "Passages",
+    "PeakReading",
+    "Prediction",
     "Recording",
     "Resimulation",
     "SampleBlock",
@@ -95,6 +106,7 @@ __all__ = [
     "WheelsetTrackError",
     "__version__",
     "green_function",
+    "identify",
     "load_detector",
     "load_scenario",
     "load_study",
@@ -102,6 +114,7 @@ __all__ = [
     "load_vehicle",
     "load_wheelset",
     "moving_green_functions",
+    "predict",
     "read_bag",
     "receptance",
     "record",

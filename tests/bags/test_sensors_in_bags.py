@@ -1,10 +1,12 @@
 """What sensors give: live, from the bag and simulated again, the same to the last bit."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from support.toy import toy_simulator
-from wheelset_track_sim import InputWarning
+from support.toy import toy_models, toy_scenario, toy_simulator
+from wheelset_track_sim import InputError, InputWarning
 from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.bag import Bag
 from wheelset_track_sim.bags.definitions import serialise
@@ -14,6 +16,8 @@ from wheelset_track_sim.bags.sensor_records import sensor_parts
 from wheelset_track_sim.bags.signals import signal_names, signal_of
 from wheelset_track_sim.live.run_messages import RunMessages, record
 from wheelset_track_sim.samples.summary import summarise
+from wheelset_track_sim.scenario import scenario_from
+from wheelset_track_sim.simulation.simulator import Simulator
 from wheelset_track_sim.twin import sensor_comparison
 
 SENSORS = [
@@ -102,6 +106,62 @@ def test_a_second_run_is_compared_bit_by_bit(bag, changed):
     assert sorted(found) == TOPICS
     assert {topic for topic, each in found.items() if each} == ({"suspension_force"} if changed else set())
     assert not changed or found["suspension_force"].channel == "wheel_2"
+
+
+def test_noise_that_an_event_changes_is_recorded_and_made_again(tmp_path):
+    runs = [with_noise({"axle_box_acceleration": {"noise": "30 m/s^2", "drift": 0.0}}, step=3000) for _ in range(2)]
+    with record(tmp_path / "run.mcap", runs[0]) as push:
+        for block in advance_all(runs[0], (2500, 2000, 1500)):
+            push(block)
+    recorded = read_bag(tmp_path / "run.mcap")
+    sampled = recorded.sensors["axle_box_acceleration"]
+    late = sampled.time > recorded.time[3000]
+    quiet, loud = sampled.values["wheel_1"][~late], sampled.values["wheel_1"][late]
+    assert np.std(quiet) < 5.0
+    assert np.std(loud) == pytest.approx(30.0, rel=0.1)
+    comparison = sensor_comparison.SensorComparison(runs[1], sensor_parts(Bag(tmp_path / "run.mcap").reader))
+    for block in advance_all(runs[1], (1, 5999)):
+        comparison.push(block)
+    comparison.finish()
+    assert comparison.found == dict.fromkeys(TOPICS)
+
+
+@pytest.mark.parametrize(
+    ("sensors", "told"),
+    [
+        ({"axle_box": {"noise": 1.0}}, "known are axle_box_acceleration"),
+        ({"axle_box_acceleration": {"rate": 100.0}}, "noise, drift"),
+        ({"axle_box_acceleration": {"noise": -1.0}}, "sensors.axle_box_acceleration: noise = -1 m/s.2 is out of range"),
+        ({"axle_box_acceleration": {"noise": "1 kN"}}, "is not in a unit of this quantity"),
+        ({"suspension_force": {"noise": 1.0}}, "sensors.suspension_force: noise needs a sampling rate"),
+        ([], "is not a mapping of topics"),
+    ],
+)
+def test_noise_that_cannot_change_is_refused(sensors, told):
+    with pytest.raises(InputError, match=told):
+        with_noise(sensors, step=10)
+
+
+def test_of_sensors_only_noise_can_change():
+    run = toy_simulator(sensors=SENSORS)
+    other = dataclasses.replace(run.scenario.sensors[0], range=100.0)
+    with pytest.raises(InputError, match="only noise and drift can change"):
+        run.apply(dataclasses.replace(run.scenario, sensors=(other, *run.scenario.sensors[1:])))
+
+
+def with_noise(noises, step):
+    """A simulator on whose sensors noise changes at a step."""
+    mapping = toy_scenario(sensors=SENSORS).to_mapping()
+    scenario = scenario_from({**mapping, "events": [{"step": step, "sensors": noises}]})
+    return Simulator(scenario, models=toy_models(scenario.sensors))
+
+
+def advance_all(run, steps):
+    """Blocks of so many steps, and shorter ones where something changes."""
+    for count in steps:
+        end = run.next_step + count
+        while run.next_step < end:
+            yield run.advance(end - run.next_step)
 
 
 def test_netcdf_has_all_sensors_and_tables_those_of_each_step(bag, tmp_path):

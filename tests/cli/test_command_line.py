@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelset_track_sim.bags import read_bag
+from wheelset_track_sim.bags import Bag, read_bag
 from wheelset_track_sim.cli import main
 
 
@@ -54,9 +54,30 @@ def test_smooth_wheels_run_near_102_kn_and_the_statics(capsys: pytest.CaptureFix
         assert result["nodes"][node]["max_principal_Pa"] > 0.98 * static
 
 
+def test_run_is_judged_by_a_set_of_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "own.yaml"
+    stated = "level: warning, action: inspect, source: a drawing"
+    axle = f"{{above: 60 MPa, {stated}, zone: body, grade: EA1N, nodes: [A1]}}"
+    path.write_text(f"name: mine\nforce: [{{above: 1 MN, {stated}}}]\naxle: [{axle}]\n")
+    arguments = ["run", "undamaged", "--duration", "0.11", "--limits", str(path)]
+    assert main([*arguments, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["verdict"]
+    assert (found["limits"], found["level"]) == ("mine", "warning")
+    *_, of_axle = found["comparisons"]
+    assert of_axle["compared"] == "bending_amplitude"
+    assert of_axle["value_Pa"] == pytest.approx(65.3e6, rel=0.02)  # not the largest principal stress
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "verdict" in printed
+    assert "A1: bending amplitude" in printed
+    assert main(["run", "undamaged", "--duration", "0.01", "--limits", "none", "--json"]) == 0
+    assert "verdict" not in json.loads(capsys.readouterr().out)
+
+
 def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = tmp_path / "run.mcap"
-    assert main(["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]) == 0
+    arguments = ["run", "damage_wheel_1", "--duration", "0.12", "--set", "speed=30", "--out", str(bag)]
+    assert main([*arguments, "--fatigue", "assumed_body"]) == 0
     printed = capsys.readouterr().out
     assert "108 km/h, 196.2 kN axle load (20 t), x40 on ballasted_60e1" in printed
     assert "contact force wheel_1" in printed
@@ -64,6 +85,8 @@ def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFix
     recording = read_bag(bag)
     assert len(recording) == 3600
     assert np.all(np.diff(recording.steps) == 1)
+    (fatigue,) = Bag(bag).reader.messages(("Fatigue",), lambda message: message)
+    assert (fatigue.next_step, fatigue.curve) == (3600, "assumed_body")
     assert main(["report", str(bag), "--out", str(tmp_path / "page.html")]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"run.mcap", "page.html", "page.png"}
     assert main(["run", "undamaged", "--out", str(bag)]) == 2
@@ -76,6 +99,8 @@ def test_run_writes_a_bag_that_reports(tmp_path: Path, capsys: pytest.CaptureFix
     [
         (["run", "damage_whel_1"], "did you mean damage_wheel_1"),
         (["run", "undamaged", "--set", "speed=-1"], "from 5 to 100 m/s"),
+        (["run", "undamaged", "--limits", "fr"], "did you mean fra"),
+        (["run", "undamaged", "--fatigue", "assumed_body"], "--fatigue applies to a recording"),
         (["run", "undamaged", "--set", "spede=30"], "did you mean speed"),
         (["run", "undamaged", "--set", "wheelset=x41"], "x40"),
         (["run", "undamaged", "--set", "track=nowhere"], "ballasted_60e1"),
@@ -120,7 +145,7 @@ def test_every_command_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit):
         main(["--help"])
     commands = re.findall(r"^    (\w+) +(\w.{7})", capsys.readouterr().out, re.MULTILINE)
-    assert len(commands) == 23
+    assert len(commands) == 26
     for name, words in commands:
         with pytest.raises(SystemExit):
             main([name, "--help"])

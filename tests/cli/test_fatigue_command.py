@@ -77,6 +77,24 @@ def test_people_see_what_depends_on_the_curve(bag, capsys):
     assert "source: assumed: limit of EA1N" in shown
 
 
+def test_scatter_and_a_criterion_are_further_rows(bag, capsys):
+    arguments = "--distance", "8 m", "--angles", "4", "--service", "1e6 km", "--criterion", "assumed_findley"
+    found = printed(capsys, bag[0], *arguments)
+    assert found["service_m"] == 1e9
+    assert found["criterion"]["assumed"] is True
+    for node in found["nodes"].values():
+        low, high = node["damage_per_1000_km_band"]["elementary"]
+        assert low < node["damage_per_1000_km"]["elementary"] < high
+        failing = node["failure_probability"]
+        assert 1.0 >= failing["elementary"] > failing["haibach"] >= failing["original"] >= 0.0
+        assert node["findley_usage"] == pytest.approx(node["rotating_amplitude_Pa"] / 200e6, rel=0.15)
+    assert main(["fatigue", str(bag[0]), *arguments]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "* elementary, weak axle (2.5 %)" in shown
+    assert "* fail within 1,000,000 km, Haibach" in shown
+    assert "* usage by the criterion of Findley assumed_findley: k = 0.157" in shown
+
+
 @pytest.fixture
 def gappy(tmp_path):
     run = toy_simulator()
@@ -131,6 +149,8 @@ def test_a_bag_without_a_scenario_is_refused(tmp_path, capsys):
         (["--curve", "steel"], "'steel' is not a known woehler"),
         (["--angles", "3"], "angles = 3 is out of range"),
         (["--gate", "9 MPa"], "gate = 9e+06 Pa is out of range"),
+        (["--service", "0 km"], "--service 0 m is out of range"),
+        (["--criterion", "mises"], "'mises' is not a known criterion"),
     ],
 )
 def test_what_cannot_be_is_refused(bag, capsys, arguments, words):

@@ -13,14 +13,22 @@ import pytest
 
 from wheelset_track_sim.cli import command_line, main
 from wheelset_track_sim.fatigue.curve import load_curve
+from wheelset_track_sim.fatigue.findley import load_findley
+from wheelset_track_sim.fatigue.growth import load_crack_growth
+from wheelset_track_sim.fatigue.mission import load_mission
 from wheelset_track_sim.inputs import shipped
 from wheelset_track_sim.scenario import load_scenario
 from wheelset_track_sim.studies import load_study
 from wheelset_track_sim.track.track import load_track
+from wheelset_track_sim.verdict.limit_set import load_limits
 from wheelset_track_sim.wheelset.kinds import load_wheelset
 from wheelset_track_sim.wheelset.vehicle import load_vehicle
 
 LOADS = {
+    "cracks": load_crack_growth,
+    "limits": load_limits,
+    "missions": load_mission,
+    "criteria": load_findley,
     "scenarios": load_scenario,
     "studies": load_study,
     "tracks": load_track,

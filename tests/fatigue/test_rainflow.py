@@ -103,6 +103,7 @@ def test_chunks_and_a_resumed_count_give_the_same_bits(series, cuts, gate):
         parts = resumed
         parts.push(stress[:, start:end])
         assert parts.spectrum.cycles.min() >= 0  # to look at it does not change it
+        assert parts.damage.tobytes() == parts.spectrum.damage.tobytes()
     assert equal(parts.spectrum, whole.spectrum)
 
 
@@ -147,9 +148,21 @@ def test_memory_is_bounded_and_no_range_is_lost(sizes):
     assert count.state.counts[0, DEPTH] <= CAPACITY
     spectrum = count.spectrum
     assert spectrum.forced[0] > 1000
+    assert count.damage.tobytes() == spectrum.damage.tobytes()
     exact = three_point(series)
     assert spectrum.cycles[0] == sum(halves for _, halves in exact) / 2
     assert spectrum.damage[0, 0] == pytest.approx(damage(exact), rel=2e-2)
+
+
+@pytest.mark.parametrize("growth", [0.0, 1e-9, -1e-9], ids=["steady", "growing", "shrinking"])
+def test_a_steady_ripple_on_a_turning_axle_fills_no_memory(growth):
+    turned = 2 * np.pi * np.arange(100_000) / 1000
+    series = (1 + growth * turned) * (60 * np.cos(turned) + 2 * np.cos(25.4 * turned))
+    count = Rainflow(1, CURVE)
+    count.push(series[np.newaxis] * MPA)
+    assert count.spectrum.forced[0] == 0
+    assert count.state.counts[0, DEPTH] < CAPACITY / 2
+    assert count.spectrum.damage[0, 0] == pytest.approx(damage(three_point(series.tolist())), rel=1e-6)
 
 
 def test_a_signal_that_does_not_leave_the_gate_has_no_cycle():

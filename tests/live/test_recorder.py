@@ -8,7 +8,8 @@ from wheelset_track_sim.bags import read_bag
 from wheelset_track_sim.bags.messages import chunk_messages
 from wheelset_track_sim.errors import InputError, RecordingError
 from wheelset_track_sim.live.recorder import LONGEST_NAME, Recorder, name_now, path_below
-from wheelset_track_sim.monitoring.status import Level, recording_status
+from wheelset_track_sim.monitoring.status import recording_status
+from wheelset_track_sim.verdict.limit_set import Level
 
 
 @pytest.fixture

@@ -9,17 +9,19 @@ from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
 from wheelset_track_sim.monitoring.limits import Limits
 from wheelset_track_sim.monitoring.monitor import Monitor
-from wheelset_track_sim.monitoring.status import Level
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.impacts import Impact
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.samples.turns import NO_TURN, TurnPeaks
+from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.verdict.limit_set import Level, load_limits
 
 STATIC = 100e3
 TURN = 100
 """Steps: each block is a turn."""
 MEANS = np.zeros((2, 6))
 ON_TIME = Timing(1.0, 0.0)
+ON = load_scenario("damage_wheel_1", [f"axle_load={2 * STATIC}"])
 
 
 class Clock:
@@ -46,7 +48,7 @@ def push(monitor, force=STATIC, stress=60e6, timing=ON_TIME, turn=NO_TURN, impac
     stresses = np.zeros((100, 2, 6))
     stresses[:, :, 1] = stress, stress / 2
     block = SampleBlock(0, 0.0, 1e-3, 1.0, 0.0, 0, forces, stresses, ("A1", "B1"))
-    return monitor.push(block, summarise(block), Events(list(impacts), turn), timing, STATIC)
+    return monitor.push(block, summarise(block), Events(list(impacts), turn), timing, ON)
 
 
 def levels(statuses):
@@ -236,3 +238,16 @@ def test_limits_and_threshold_may_change(monitor):
 def test_before_the_first_turn_its_peak_is_nan(monitor):
     push(monitor)
     assert math.isnan(float(values(monitor.report(), "wheel_1")["turn_peak_force_N"]))
+
+
+def test_a_set_of_limits_adds_a_verdict_that_names_each_comparison(clock):
+    monitor = Monitor(("A1", "B1"), 200e3, Limits(), TURN, MEANS, clock, load_limits("trafikverket"))
+    assert [status.name for status in monitor.report()][-1] == "verdict"
+    push(monitor, force=300e3)
+    (*_, found) = monitor.report()
+    assert (found.name, found.level) == ("verdict", Level.OK)
+    assert values([found], "verdict")["wheel_1.damage_length"].startswith("ok: wheel 1: length of tread damage 60 mm")
+    assert push(monitor, force=360e3)  # reported at once
+    (*_, found) = monitor.report()
+    assert found.level == Level.ERROR
+    assert found.message.endswith("is above 350 kN: stop the train for a visual inspection (trafikverket)")

@@ -7,15 +7,17 @@ import urllib.request
 import numpy as np
 import pytest
 
+from wheelset_track_sim.bags.messages import fatigue_message
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.live.run_messages import Events
 from wheelset_track_sim.live.stream import Timing
 from wheelset_track_sim.monitoring.prometheus import Endpoint, Metrics
-from wheelset_track_sim.monitoring.status import Level, Status
+from wheelset_track_sim.monitoring.status import Status
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.samples.impacts import Impact
 from wheelset_track_sim.samples.summary import summarise
 from wheelset_track_sim.samples.turns import TurnPeaks
+from wheelset_track_sim.verdict.limit_set import Level
 
 
 def scraped(endpoint):
@@ -82,6 +84,19 @@ def test_what_is_served_is_what_was_pushed(metrics, endpoint):
     assert found["wheelset_turn_peak_force_newtons_bucket", "125000.0", "wheel_1"] == 1.0
     assert found["wheelset_turn_peak_force_newtons_bucket", "300000.0", "wheel_1"] == 2.0
     assert found["wheelset_turn_peak_force_newtons_sum", "wheel_1"] == 410e3
+
+
+def test_fatigue_is_served_at_the_worst_angle(metrics, endpoint):
+    damage = np.array([[1e-9, 1e-10], [3e-9, 4e-10]])  # by angle and rule
+    fields = {"nodes": ["A1"], "rules": ["elementary", "haibach"], "damage": damage.ravel(), "ratio": [2.5]}
+    report = fatigue_message(1.0, 0, {**fields, "amplitude": [80e6], "distance": 25.0})
+    metrics.push(block(), summarise(block()), Events([], turn(0, 1.0), (), report), Timing(1.0, 0.0))
+    found = scraped(endpoint)
+    assert found["wheelset_axle_damage", "A1", "elementary"] == 3e-9
+    assert found["wheelset_axle_damage", "A1", "haibach"] == 4e-10
+    assert found["wheelset_axle_damage_ratio", "A1"] == 2.5
+    assert found["wheelset_rotating_amplitude_pascals", "A1"] == 80e6
+    assert found["wheelset_fatigue_distance_meters",] == 25.0
 
 
 def test_two_runs_have_metrics_of_their_own(metrics, endpoint):

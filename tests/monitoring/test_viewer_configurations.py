@@ -102,7 +102,7 @@ def test_the_aggregator_has_a_place_for_every_subject():
     groups = [item for item in analyzers.values() if isinstance(item, dict)]
     assert {item["type"] for item in groups} == {"diagnostic_aggregator/GenericAnalyzer"}
     subjects = [status.name for status in Monitor(("A1", "B1", "C1"), 2e5, Limits(), 2713, np.zeros((3, 6))).report()]
-    for subject in [*subjects, "simulation", "recording", "services"]:
+    for subject in [*subjects, "verdict", "simulation", "recording", "services"]:
         places = [item["path"] for item in groups if any(text in f"node: {subject}" for text in item["contains"])]
         assert len(places) == 1, subject
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import errno
+import io
 import json
 import re
 import sys
@@ -10,16 +11,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from support.surveys import state
+from support.toy import toy_simulator
 from wheelset_track_sim.bags import BagWriter, RunInfo
 from wheelset_track_sim.cli import main
 from wheelset_track_sim.errors import InputError
+from wheelset_track_sim.fatigue.axle import AxleFatigue, TurningWheel
+from wheelset_track_sim.fatigue.curve import load_curve
+from wheelset_track_sim.fatigue.static_stress import static_stress
 from wheelset_track_sim.report.files import write_whole
 from wheelset_track_sim.report.survey import survey_of
-from wheelset_track_sim.report.table import description
+from wheelset_track_sim.report.table import description, summary_table
 from wheelset_track_sim.samples.block import SampleBlock
 from wheelset_track_sim.scenario import load_scenario
+from wheelset_track_sim.verdict.limit_set import load_limits
 
 
 class Page(HTMLParser):
@@ -264,3 +271,33 @@ def test_report_of_a_bag(make_bag, tmp_path, capsys):
     assert out.with_suffix(".png").exists()
     assert main(["report", str(bag), "--threshold", "-1"]) == 2
     assert "threshold = -1 N is out of range" in capsys.readouterr().err
+
+
+def test_limits_are_lines_and_a_verdict(make_survey, write_report, tmp_path):
+    run = make_survey("damage_wheel_1", length=12.0, spikes=[(1.8, 360e3), (4.5, 210e3)])
+    page = write_report(run, tmp_path / "plain.html").read_text(encoding="utf-8")
+    assert 'id="verdict"' not in page
+    run = dataclasses.replace(run, limits=load_limits("trafikverket"))
+    page = write_report(run, tmp_path / "page.html").read_text(encoding="utf-8")
+    assert '<span id="verdict">alarm, by trafikverket</span>' in page
+    assert "is above 350 kN: stop the train for a visual inspection (trafikverket)" in page
+    assert "research.chalmers.se/en/publication/544204" in page
+    assert "alarm 350 kN, as far as forces reach them" in page
+    assert "never with the largest principal stress" in page
+    shown = Console(width=100, file=io.StringIO())
+    shown.print(summary_table(run))
+    assert "alarm, by trafikverket" in shown.file.getvalue()
+
+
+def test_fatigue_is_a_section_with_three_plots(make_survey, write_report, tmp_path):
+    simulator = toy_simulator(like="damage_wheel_1")
+    static = static_stress(simulator.scenario, simulator.models.reduced, ("A1", "B1", "C1"))
+    found = AxleFatigue(static, TurningWheel.of(simulator.scenario), load_curve("assumed_body"), points=12)
+    for _ in range(3):
+        found.push(simulator.advance(2713))
+    run = make_survey("damage_wheel_1", length=12.0)
+    page = write_report(run, tmp_path / "page.html", None, found).read_text(encoding="utf-8")
+    assert 'id="fatigue-plots"' in page
+    assert f"<td>{found.nodes[0].ratios[0]:.2f}</td>" in page
+    assert "These constants are assumed." in page
+    assert "range of rotating stress at" in page

@@ -27,7 +27,7 @@ def ask(domain):
 
 
 def test_a_running_node_is_asked_and_changed(start, client, states, ask):
-    start(scenario="undamaged", real_time_factor=0.2)
+    start(scenario="undamaged", real_time_factor=1.0)
     client.until(lambda: states)
 
     status, out, errors = ask("get", "scenario", "axle_load", "--json")

@@ -28,7 +28,7 @@ def block(first, count, signal, period=1 / STEPS, time=None, topic="axle_box_acc
 
 def read(sensor, blocks, **options):
     reader = SensorReader(sensor, 1000, 0, **options)
-    chunks = [chunk for each in blocks for chunk in reader.push(each)]
+    chunks = [chunk for each in blocks for chunk in reader.push(each, sensor)]
     return chunks + reader.finish()
 
 
@@ -70,6 +70,24 @@ def test_samples_have_the_same_bits_however_the_run_is_cut():
     assert (other != whole).mean() > 0.5
 
 
+def test_noise_changes_at_a_step_and_has_the_same_bits_however_the_run_is_cut():
+    sensor = AxleBoxAcceleration(rate=RATE, noise=0.1, drift=0.2)
+    flat = lambda t: 0.0 * t  # noqa: E731
+
+    def given(*cuts):
+        reader = SensorReader(sensor, 1000, 0)
+        changed = {True: replace(sensor, noise=0.0, drift=0.4), False: sensor}
+        chunks = [chunk for a, b in pairwise(cuts) for chunk in reader.push(block(a, b - a, flat), changed[a >= 6000])]
+        return joined(chunks + reader.finish())
+
+    whole = given(0, 6000, 12_000)
+    assert (given(0, 1, 5999, 6000, 6001, 9000, 12_000) == whole).all()
+    at = int(np.ceil(6000 / STEPS * RATE))
+    first, rest = (joined(read(replace(sensor, **one), [block(0, 12_000, flat)])) for one in ({}, {"noise": 0.0}))
+    assert (whole[:at] == first[:at]).all()
+    assert (whole[at:] == 2 * rest[at:]).all()
+
+
 def test_noise_has_its_size_and_a_drift_grows():
     flat = lambda t: 0.0 * t  # noqa: E731
     white = joined(read(AxleBoxAcceleration(rate=RATE, noise=0.5), [block(0, 60_000, flat)]))
@@ -85,8 +103,9 @@ def test_without_a_rate_and_a_range_a_sensor_gives_the_true_values():
     (chunk,) = read(AxleBoxAcceleration(), [given])
     assert (chunk.values["wheel_2"] == given.sensors["axle_box_acceleration"][:, 1]).all()
     assert (chunk.first_sample, chunk.first_step) == (40, 40)
-    readers = SensorReaders([AxleBoxAcceleration(rate=RATE, true_value=True)], 1000, 0)
-    assert [chunk.topic for chunk in readers.push(block(0, 2000, np.cos))] == [
+    sensors = [AxleBoxAcceleration(rate=RATE, true_value=True)]
+    readers = SensorReaders(sensors, 1000, 0)
+    assert [chunk.topic for chunk in readers.push(block(0, 2000, np.cos), sensors)] == [
         "axle_box_acceleration",
         "axle_box_acceleration/true",
     ]
@@ -112,7 +131,8 @@ def test_what_a_run_gives_is_what_its_blocks_give():
     sensors = [{"type": "axle_box_acceleration", "rate": 8000.0, "noise": 0.1, "range": 300.0}]
     one, other = (toy_simulator(like="damage_wheel_1", sensors=sensors) for _ in range(2))
     readers = [SensorReaders(one.scenario.sensors, one.steps_per_revolution, 0) for _ in range(2)]
-    whole = readers[0].push(one.advance(6000)) + readers[0].finish()
-    parts = [chunk for count in (999, 1, 3000, 2000) for chunk in readers[1].push(other.advance(count))]
+    own = one.scenario.sensors
+    whole = readers[0].push(one.advance(6000), own) + readers[0].finish()
+    parts = [chunk for count in (999, 1, 3000, 2000) for chunk in readers[1].push(other.advance(count), own)]
     parts += readers[1].finish()
     assert (joined(whole) == joined(parts)).all()

@@ -168,6 +168,8 @@ def test_paper_dynamics_keep_their_speed_while_they_run(monkeypatch: pytest.Monk
         change(simulator, speed=30.0)
     change(simulator, acceleration=1.0)
     assert len(simulator.advance(100)) == 100
+    with pytest.raises(InputError, match=r"paper dynamics runs for .* s at most: use causal for longer"):
+        simulator.require(round(20.0 / simulator.step_period))
 
 
 @pytest.fixture(scope="module")

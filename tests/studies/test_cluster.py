@@ -60,8 +60,8 @@ def test_a_cluster_gives_the_same_table_as_this_machine(cluster, small, study_fi
 
 @pytest.mark.slow
 def test_a_failing_run_on_a_cluster_is_told(cluster, small, study_file, tmp_path, capsys) -> None:
-    small["vary"] = {"case": {"good": {}, "too long": {"dynamics": "paper"}}}
-    small["window"] = {"before": 0.1, "after": 400.0}  # beyond the 12 s of paper dynamics
+    small["vary"] = {"case": {"good": {}, "too long": {"dynamics": "paper", "speed": 5.0}}}
+    small["window"] = {"before": 0.1, "after": 60.0}  # beyond the 11 s of paper dynamics at this speed
     out = tmp_path / "out"
     assert main(["study", study_file(small), "--out", str(out), "--scheduler", cluster[0]]) == 1
     assert "1 run failed" in capsys.readouterr().err

@@ -1,4 +1,5 @@
 import dataclasses
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,9 @@ RUNS = {
     "trajectories": 4,
     "contact_pressure": 3,
     "speed": 3 * 2 * 19,
+    "fatigue_depth": 3 * 13,
+    "fatigue_speed": 3 * 66,
+    "fatigue_flats": 3 * 10,
     **dict.fromkeys(FIGURES, 0),
 }
 
@@ -101,6 +105,16 @@ def test_digest_is_of_all_that_changes_the_result_and_of_nothing_else(small, stu
     assert len({job.digest(), *(other.digest() for other in others)}) == 1 + len(others)
 
 
+def test_outputs_of_fatigue_have_an_sn_curve(small, study_file, tmp_path) -> None:
+    text = shipped.text("woehler", "assumed_body").replace("slope: 5.0", "slope: 3.0")
+    (tmp_path / "mine.yaml").write_text(text)
+    names = {"outputs": ["nodes.A1.damage_ratio", "nodes.A1.rotating_amplitude"]}
+    one, other = (load_study(study_file(small | names | {"curve": each})) for each in ("assumed_body", "mine.yaml"))
+    assert other.sn_curve.slope == 3.0
+    assert one.runs()[0].job.digest() != other.runs()[0].job.digest()
+    assert load_study(study_file(small)).sn_curve is None
+
+
 def lines(**changes):
     panel = {"y": ["wheels.wheel_1.max_force"]} | changes.pop("panel", {})
     return {"drawings": [{"type": "lines", "name": "a", "title": "A", "x": "speed", "panels": [panel]} | changes]}
@@ -123,6 +137,8 @@ def lines(**changes):
         ({"outputs": ["wheels.wheel_3.max_force"]}, "outputs.0 = 'wheels.wheel_3.max_force' is not a known output"),
         ({"outputs": ["nodes.D1.max_principal"]}, "did you mean nodes."),
         ({"outputs": []}, "outputs is missing"),
+        ({"outputs": ["nodes.A1.damage_ratio"]}, "curve is missing: name the S-N curve of the outputs of fatigue"),
+        ({"outputs": ["nodes.A1.damage_ratio"], "curve": "steel"}, "'steel' is not a known woehler"),
         ({"set": {"output.stress_nodes": ["A1", "D1"]}}, "output.stress_nodes.1 = 'D1' is not a known stress node"),
         ({"histories": ["force"]}, "histories.0 = 'force' is not a known choice: did you mean forces?"),
         ({"pressures": ["wheel_1.max"]}, "pressures.0 = 'wheel_1.max' is not a known contact pressure"),
@@ -180,8 +196,8 @@ def test_the_papers_values_stand_beside_its_own_cases_alone() -> None:
 
 def test_the_study_of_the_documentation_can_be_run(tmp_path) -> None:
     text = (ROOT / "docs" / "reference" / "studies.md").read_text().partition("## A study of your own\n")[2]
-    lines = [line[4:] for line in text.splitlines() if line.startswith("    ")]
-    (tmp_path / "mine.yaml").write_text("\n".join(lines))
+    block = text[text.index("    title: ") :].partition("\n\n")[0]
+    (tmp_path / "mine.yaml").write_text(textwrap.dedent(block))
     runs = load_study(tmp_path / "mine.yaml").runs()
     assert len(runs) == 2 * 5 * 2
     assert {run.scenario.track.pad.stiffness for run in runs} == {300e6}

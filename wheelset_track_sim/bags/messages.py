@@ -29,6 +29,8 @@ FRAME = "track"
 NANOSECOND = 1e-9
 SENSORS = "sensor_summary"
 """Topic of the scalars of all sensors."""
+FATIGUE = "fatigue"
+"""Topic of the fatigue of the axle."""
 CHUNK = ("header", "first_step", "time", "step_period", "speed", "position", "revision")
 """Fields that every chunk carries, and a state."""
 
@@ -177,7 +179,6 @@ def wayside_message(passage: WaysidePassage, start_ns: int) -> Message:
         "first_sample": 0,
         "detector": reading.detector.name,
         "detector_position": reading.position,
-        "band": reading.detector.band,
         "channels": [each.name for each in channels],
         "types": [each.type for each in channels],
         "units": [each.unit for each in channels],
@@ -212,6 +213,12 @@ def impact_message(impact: Impact, start_ns: int) -> Message:
     stamp_ns, header = _header(impact.time, start_ns)
     fields = {**vars(impact), "wheel": impact.wheel + 1, "dynamic_factor": impact.dynamic_factor, "header": header}
     return Message("impacts", "WheelImpact", stamp_ns, fields)
+
+
+def fatigue_message(time: float, start_ns: int, fields: Mapping[str, Any]) -> Message:
+    """Message of the fatigue of the axle up to a simulated time, s; ``start_ns`` is the time stamp of step 0, ns."""
+    stamp_ns, header = _header(time, start_ns)
+    return Message(FATIGUE, "Fatigue", stamp_ns, {"header": header, "time": time, **fields})
 
 
 def state_message(state: State, start_ns: int) -> Message:

@@ -31,7 +31,7 @@ RELIABLE, TRANSIENT_LOCAL, KEEP_LAST = ("reliable", 1), ("transient_local", 1), 
 UNREADABLE = (TypesysError, LookupError, ValueError, RecursionError)
 """Errors for definitions that are none."""
 OF_NODE = (
-    *("contact_forces", "axle_stress/", "summary", "impacts", "state"),
+    *("contact_forces", "axle_stress/", "summary", "impacts", "state", "fatigue"),
     *("axle_box_acceleration", "axle_box_acceleration/", "suspension_force", "suspension_force/", "sensor_summary"),
     *("strain/", "acceleration/", "velocity/", "displacement/", "wayside/"),
 )

@@ -16,9 +16,12 @@ from .ending import FAILED, complain, status_of
 from .parsers import (
     cache,
     compare,
+    crack,
     dataset,
     demo,
+    explore,
     fatigue,
+    identify,
     info,
     init,
     listing,
@@ -41,20 +44,11 @@ from .parsers.parser import PROGRAM, Parser
 from .warned import printed_warnings
 
 COMMANDS = (
-    *(
-        listing.add,
-        init.add,
-        run.add,
-        show.add,
-        study.add,
-        mapping.add,
-        dataset.add,
-        nodes.add_node,
-        report.add,
-        nodes.add_replay,
-    ),
+    *(listing.add, init.add, run.add, show.add, study.add, mapping.add, dataset.add),
+    *(nodes.add_node, report.add, nodes.add_replay),
     *(nodes.add_get, nodes.add_set, nodes.add_call, nodes.add_echo, resimulate.add, recover.add, info.add),
-    *(compare.add, stress.add, spectrum.add, fatigue.add, wayside.add, cache.add, demo.add),
+    *(compare.add, stress.add, spectrum.add, fatigue.add, crack.add, wayside.add, identify.add),
+    *(explore.add, cache.add, demo.add),
 )
 """What adds a command each, in the order of the help."""
 

@@ -14,9 +14,13 @@ NEXT = {
     "wheelsets": "run undamaged --set wheelset={file} --set output.stress_nodes=[A1]",
     "tracks": "run undamaged --set track={file}",
     "vehicles": "run undamaged --set vehicle={file}",
-    "datasets": "dataset {file} --samples 64 --seed 1 --out damage.zarr",
     "detectors": "wayside damage_wheel_1 --detector {file}",
+    "limits": "run damage_wheel_1 --limits {file}",
+    "missions": "fatigue damage_wheel_1 --mission {file}",
+    "datasets": "dataset {file} --samples 64 --seed 1 --out damage.zarr",
     "woehler": "fatigue damage_wheel_1 --curve {file}",
+    "criteria": "fatigue press_fit --criterion {file}",
+    "cracks": "crack damage_wheel_1 --depth '2 mm' --growth {file}",
 }
 """Commands that use a file of a kind."""
 

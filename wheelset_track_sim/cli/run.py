@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -15,14 +15,21 @@ from ..bags.exports import check_steps, exported, form_of
 from ..bags.settings import RecordSettings
 from ..errors import InputError, warn
 from ..inputs.amounts import in_unit
+from ..live.fatigue_watch import FatigueSettings
 from ..live.run_messages import record
+from ..runtime.progress import Progress
 from ..samples.block import SampleBlock
 from ..samples.impacts import ImpactSettings
+from ..samples.spread import spreads
 from ..samples.summary import Summary, combine, summarise
 from ..scenario import WHEELS, Scenario, load_scenario
 from ..scenario.events import OF_NODE
 from ..simulation.instants import Contacts
+from ..simulation.places import advanced, at_places, runs
 from ..simulation.simulator import Simulator
+from ..verdict.bending import AXIAL, BendingAmplitudes
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
+from ..verdict.verdicts import verdicts, worst
 from .console import print_object, terminal
 from .contacts import contact, contact_words
 from .progress import shown
@@ -46,35 +53,46 @@ def run(
     json: bool,
     settings: RecordSettings | None = None,
     impacts: ImpactSettings | None = None,
+    limits: str = DEFAULT_LIMITS,
+    places: int = 1,
+    fatigue: FatigueSettings | None = None,
     warnings: Sequence[str] = (),
 ) -> int:
     """Simulate a scenario and print its peaks; returns the exit status.
 
+    With ``places`` the damage meets the rail at that many places of the bay in turn, and peaks are printed of all.
+
     ``out`` is a bag, or a table by its suffix. ``settings`` say how a bag is recorded, ``impacts`` defines an impact
-    there. ``warnings`` grow during the run.
+    there. ``limits`` is the set for the verdict, ``fatigue`` says how fatigue is counted for the bag. ``warnings`` grow
+    during the run.
     """
-    what = load_scenario(scenario, changes)
+    what, limit_set = load_scenario(scenario, changes), load_limits(limits)
     if duration is not None and not (math.isfinite(duration) and 0 < duration <= LONGEST):
         raise InputError(f"--duration {duration:g} s is out of range: give a time above 0, up to {LONGEST:g} s")
     bag, form = out, None if out is None else form_of(out)
-    if out is not None and form is not None and (impacts is not None or settings not in (None, RecordSettings())):
+    of_bags = impacts is not None or fatigue is not None or settings not in (None, RecordSettings())
+    if out is not None and form is not None and of_bags:
         raise InputError(
             f"--out {out} is a table, and you gave options of bags: leave them out, or give {out.with_suffix('.mcap')}"
         )
     for index, event in enumerate(what.events):
         for key in (name for name in OF_NODE if getattr(event, name)):
             warn(f"events.{index}.{key} is for the node, and does nothing here: --out records the whole run")
+    elsewhere = at_places(what, places)
     with ExitStack() as stack:
         progress = stack.enter_context(shown())
         simulator = Simulator(what, progress)
+        simulator.require(steps_left(simulator, duration))
         if out is not None and form is not None:
             check_steps(out, form, steps_left(simulator, duration))
             bag = stack.enter_context(exported(out, form))
         simulator.settle()
         push: Callable[[SampleBlock, Summary], None] | None = None
         if bag is not None:
-            push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts))
+            push = stack.enter_context(record(bag, simulator, settings=settings, impacts=impacts, fatigue=fatigue))
         chunk = CHUNK if push else LONG_CHUNK
+        means = simulator.constant_stress[:, AXIAL]
+        bending = BendingAmplitudes(means, simulator.steps_per_revolution)
         started = time.perf_counter()
         totals: Summary | None = None
         contacts = Contacts()
@@ -83,17 +101,38 @@ def run(
             part = summarise(block)
             totals = part if totals is None else combine([totals, part])
             contacts.push(simulator, block)
+            if limit_set is not None and limit_set.axle:
+                bending.push(block)
             if push is not None:
                 push(block, part)
             share = simulator.next_step / (simulator.next_step + left - len(block))
             progress(f"simulate {what.name}, {simulator.time:.2f} of {simulator.time / share:.2f} s", share)
         wall = time.perf_counter() - started
-    assert totals is not None
+        assert totals is not None
+        scatter = _scatter(elsewhere, simulator, totals, progress) if places > 1 else {}
     result = as_mapping(totals, simulator.time, wall) | {"pressures": pressures(what, contacts)}
+    if scatter:
+        result["scatter"] = scatter
     result |= {"scenario": what.name, "digest": simulator.digest, "warnings": [*warnings], **conditions(what)}
+    if limit_set is not None:
+        damage = [item for applied in simulator.history for item in applied.scenario.irregularities]
+        amplitudes = dict(zip(block.nodes, bending.largest, strict=True)) if limit_set.axle else {}
+        found = verdicts(limit_set, [wheel.max_force for wheel in totals.wheels], damage, amplitudes)
+        result["verdict"] = {"limits": limit_set.name, "level": worst(found).word}
+        result["verdict"]["comparisons"] = [{**each.mapping, "text": each.text} for each in found]
     varies = what.speed_plan or any(event.speed or event.axle_load for event in what.events)
     print_object(result) if json else terminal().print(table(result, " at the start" if varies else ""))
     return 0
+
+
+def _scatter(places: tuple[Scenario, ...], done: Simulator, totals: Summary, progress: Progress) -> dict[str, Any]:
+    """Extremes over places of the bay: of a run that is done at the first one, and as long ones at the others."""
+    found = [peaks(totals)]
+    for simulator in runs(places[1:], done.models):
+        progress(f"simulate {len(places)} places", len(found) / len(places))
+        found.append(peaks(combine([summarise(block) for block in advanced(simulator, totals.samples)])))
+    progress(f"simulate {len(places)} places", 1.0)
+    return {"places": len(places), **spreads(found)}
 
 
 def steps_left(simulator: Simulator, duration: float | None) -> int:
@@ -175,9 +214,29 @@ def table(result: dict[str, Any], when: str = "") -> Table:
         shown_as.add_row(f"maximum principal stress {name}", f"{high:.1f} MPa", f"{low:.1f} MPa", "")
     for name, pressure in result["pressures"].items():
         shown_as.add_row(f"contact pressure {name}", f"{pressure['largest_Pa'] / 1e9:.2f} GPa", "", "")
+    _add_scatter(shown_as, result.get("scatter", {}))
     flags = [f"{name}: {each['flag']}" for name, each in result["pressures"].items() if each["flag"]]
     notes = ["at the largest force, " + "; ".join(flags)] if flags else []
     if words := contact_words(result["contact"]):
         notes.append(f"contacts without a force table: {words}")
+    if "verdict" in result:
+        shown_as.add_section()
+        shown_as.add_row("verdict", result["verdict"]["level"], "", "")
+        notes += [each["text"] for each in result["verdict"]["comparisons"]]
     shown_as.caption = "\n".join(notes) or None
     return shown_as
+
+
+def _add_scatter(table: Table, scatter: Mapping[str, Any]) -> None:
+    """Rows of the extremes over places of the bay."""
+    if not scatter:
+        return
+    table.add_section()
+    table.add_row(f"over {scatter['places']} places of the bay", "largest", "median", "smallest")
+    of = [(f"contact force {name}", wheel["max_force_N"], 1e3, "kN") for name, wheel in scatter["wheels"].items()]
+    of += [
+        (f"maximum principal stress {name}", node["max_principal_Pa"], 1e6, "MPa")
+        for name, node in scatter["nodes"].items()
+    ]
+    for name, spread, size, unit in of:
+        table.add_row(name, *(f"{spread[each] / size:.1f} {unit}" for each in ("max", "median", "min")))

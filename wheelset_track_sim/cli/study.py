@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -49,7 +50,13 @@ FORMS: dict[str, tuple[tuple[str, ...], Callable[[Results, Path], Path]]] = {
 
 
 def study(
-    name: str, changes: Sequence[str], out: Path | None, resources: Resources, forms: Collection[str] = ()
+    name: str,
+    changes: Sequence[str],
+    out: Path | None,
+    resources: Resources,
+    forms: Collection[str] = (),
+    *,
+    places: int | None = None,
 ) -> int:
     """Run a study, or all shipped ones, and print what came out; returns the exit status.
 
@@ -57,7 +64,7 @@ def study(
     """
     require_forms(forms)
     names = shipped.names("studies") if name == ALL else [name]
-    tasks = [task(each, changes, out / each if out and name == ALL else out) for each in names]
+    tasks = [task(each, changes, out / each if out and name == ALL else out, places) for each in names]
     return carry_out(tasks, resources, forms)
 
 
@@ -78,9 +85,12 @@ def carry_out(tasks: Sequence[Task], resources: Resources, forms: Collection[str
     return 0
 
 
-def task(name: str, changes: Sequence[str], out: Path | None) -> Task:
-    """A study with all its scenarios; raises InputError for what cannot be used."""
-    return task_of(Path(name).stem, load_study(name), changes, out)
+def task(name: str, changes: Sequence[str], out: Path | None, places: int | None = None) -> Task:
+    """A study with all its scenarios, at another number of places if given; raises InputError."""
+    what = load_study(name)
+    if places is not None:
+        what = dataclasses.replace(what, places=places)
+    return task_of(Path(name).stem, what, changes, out)
 
 
 def task_of(short: str, what: Study, changes: Sequence[str], out: Path | None) -> Task:
@@ -112,6 +122,8 @@ def _carry_out(task: Task, resources: Resources, console: Console, forms: Collec
     for table in found:
         console.print(_for_terminal(table, task.study.title))
     pictures = [path for path in files if path.suffix == ".png"]
+    if results.note:
+        console.print(results.note, highlight=False)
     for path in (*pictures, *pages):
         console.print(f"{'picture' if path in pictures else 'summary'} {path}", highlight=False, soft_wrap=True)
     for path in arrays:

@@ -51,11 +51,9 @@ def windows(
     surfaces are alike, or mirror images, and a tread and a rail.
     """
     n_c, ny = tread.shape[1:]
-    rough_treads = [_rough_all_along(heights[:, ny // 2]) for heights in tread]
-    rough_rails = [_rough_all_along(rail[row, ny // 2]) for row in rail_row]
-    # Rows of what is rough all along take long to tell apart, and no window is made of them.
-    treads = [np.zeros_like(each) if rough else each for each, rough in zip(tread, rough_treads, strict=True)]
-    heights = np.concatenate([np.zeros((1, ny)), *treads, rail[:1] if all(rough_rails) else rail])
+    rough = [_rough_all_along(each) for each in rail_row]
+    looked_at = np.unique(rail_row[np.flatnonzero(np.logical_not(rough))])
+    heights = np.concatenate([np.zeros((1, ny)), *tread, rail[looked_at]])
     rows, number = distinct_rows(np.concatenate([heights, heights[:, ::-1]]))
     plain, turned = number.reshape(2, -1)
     alike = bool((separation[1] == separation[0]).all())
@@ -65,18 +63,13 @@ def windows(
     for wheel in range(2):
         row = turned if wheel == 1 and mirrored else plain
         base = wheel % search.smooth
-        on_treads[wheel] = -1 if rough_treads[wheel] else search.numbers(row[1 + wheel * n_c :][:n_c], base)
-        if rough_rails[wheel]:
+        on_treads[wheel] = search.numbers(row[1 + wheel * n_c :][:n_c], base)
+        if rough[wheel]:
             on_rails[wheel] = -1
-        else:
-            found = search.numbers(row[1 + 2 * n_c + rail_row[wheel]], base)
-            on_rails[wheel] = np.where(found == base, 0, found)
+            continue
+        found = search.numbers(row[1 + 2 * n_c :][np.searchsorted(looked_at, rail_row[wheel])], base)
+        on_rails[wheel] = np.where(found == base, 0, found)
     return Windows(search.gaps, on_treads, on_rails, search.smooth)
-
-
-def _rough_all_along(middle: Real) -> bool:
-    """Whether the heights (steps,) in the middle of a surface alone show that no two positions share a table."""
-    return bool(np.count_nonzero(middle) > ROUGH * len(middle) and len(np.unique(middle)) > MOST_IN_A_STRETCH)
 
 
 class _Search:
@@ -91,10 +84,10 @@ class _Search:
         """Window of each position of a surface whose rows are given, (steps,); ``base`` is that of a smooth one."""
         nx, steps = len(self.gaps[base]), len(row)
         number = np.full(steps, base, np.int32)
-        rough = np.flatnonzero(row)
-        if len(rough) > ROUGH * steps and len(np.unique(row)) > MOST_IN_A_STRETCH:
+        if _rough_all_along(row):
             number[:] = -1
             return number
+        rough = np.flatnonzero(row)
         near = np.zeros(steps, np.bool_)
         for offset in range(-(nx // 2), nx // 2 + 1):
             near[(rough + offset) % steps] = True
@@ -129,3 +122,8 @@ class _Search:
             if bears:
                 self.gaps.append(nominal - window)
         return self._found[base, key]
+
+
+def _rough_all_along(row: NDArray[np.int32]) -> bool:
+    """Whether a surface, whose rows are given, is solved everywhere; row 0 is smooth."""
+    return bool(np.count_nonzero(row) > ROUGH * len(row)) and len(np.unique(row)) > MOST_IN_A_STRETCH

@@ -182,7 +182,7 @@ def _read(spec: DatasetSpec, run: Simulator, block: SampleBlock, label: Label) -
     for each in (ContactForces(rate=spec.rate), *spec.sensors):
         sensor: Any = dataclasses.replace(each, seed=label.noise_seed)
         reader = SensorReader(sensor, run.steps_per_revolution, run.models.tread_origin)
-        chunks = [*reader.push(block), *reader.finish()]
+        chunks = [*reader.push(block, sensor), *reader.finish()]
         values = [np.concatenate([chunk.values[name] for chunk in chunks]) for name in each.channels]
         # The low pass of the first ones has steps on one side only.
         found[each.topic] = np.array(values)[:, REACH : REACH + spec.samples].astype(np.float32)

@@ -18,9 +18,12 @@ S = sqrt(b^2 + h^2). So the damage of a distance s is in closed form, with the w
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..runtime.arrays import Real
@@ -35,6 +38,8 @@ from .turning_kernels import count_turning
 POINTS = 36
 """Points around the axle by default."""
 MOST_POINTS = 720
+MOST_MARKS = 128
+"""Marks of distance at most; if there are more, every second one is left out."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +78,7 @@ class NodeFatigue:
     undamaged_amplitude: float
     """Half range of a turn under the static load, Pa."""
     angles: Real
-    """(K,) phi of the points, rad."""
+    """(K,) phi of the points from the mark of the axle, rad."""
     damage: Real
     """(K, rules) over the distance."""
     undamaged: Real
@@ -88,7 +93,7 @@ class NodeFatigue:
 
     @property
     def angle(self) -> float:
-        """Phi of that point, rad."""
+        """Phi of that point from the mark of the axle, rad."""
         return float(self.angles[self.worst])
 
     @property
@@ -100,6 +105,11 @@ class NodeFatigue:
     def damage_in(self, distance: float) -> tuple[float, ...]:
         """Damage at the worst angle by rule, scaled to a distance, m."""
         return tuple((self.damage[self.worst] * (distance / self.distance)).tolist())
+
+
+def equivalent_range(damage: float, curve: Curve) -> float:
+    """Range of one cycle a turn at mean stress 0, Pa, that does a ``damage`` a turn by the elementary rule."""
+    return float(2 * curve.limit * (damage * curve.knee_cycles) ** (1 / curve.slope))
 
 
 class AxleFatigue:
@@ -115,19 +125,32 @@ class AxleFatigue:
     """
 
     def __init__(
-        self, static: StaticStress, wheel: TurningWheel, curve: Curve, *, points: int = POINTS, gate: float = GATE
+        self,
+        static: StaticStress,
+        wheel: TurningWheel,
+        curve: Curve,
+        *,
+        points: int = POINTS,
+        gate: float = GATE,
+        mark: float = 0.0,
     ) -> None:
-        """Count at a number of points around each node of ``static``; ranges up to the gate, Pa, are merged."""
+        """Count at a number of points around each node of ``static``; ranges up to the gate, Pa, are merged.
+
+        The first point is at the ``mark`` of the axle: its angle phi from the top when angle 0 of the treads meets the
+        rail, rad.
+        """
         if not 4 <= points <= MOST_POINTS:
             raise InputError(f"angles = {points} is out of range: give 4 to {MOST_POINTS} points around the axle")
-        self.static, self.wheel = static, wheel
+        self.static, self.wheel, self.curve, self.gate = static, wheel, curve, gate
         self.angles = 2 * np.pi * np.arange(points) / points
         self.steps = 0
         turned = 2 * np.pi * ((np.arange(wheel.turn) - wheel.origin) % wheel.turn) / wheel.turn
-        around = turned + self.angles[:, np.newaxis]
+        around = turned + (self.angles + mark)[:, np.newaxis]
         self._cosines, self._sines = np.cos(around), np.sin(around)
         self._count = Rainflow(len(static.nodes) * points, curve, gate)
         self._next: int | None = None
+        self._every = 1
+        self._marks: list[tuple[int, int, Real]] = []
         self._low = np.full((len(static.nodes), points), np.inf)
         self._high, self._amplitude = -self._low, np.zeros(len(static.nodes))
 
@@ -145,6 +168,8 @@ class AxleFatigue:
             part = bending[:, row : row + self.wheel.turn - step]
             self._push(part, step)
             row += part.shape[1]
+            if step + part.shape[1] == self.wheel.turn:
+                self._mark((block.first_step + row) // self.wheel.turn, self.steps + row)
         self._next = block.first_step + len(block)
         self.steps += len(block)
 
@@ -169,6 +194,34 @@ class AxleFatigue:
             self._amplitude = self._amplitudes
             self._low[:], self._high[:] = np.inf, -np.inf
 
+    def _mark(self, turn: int, steps: int) -> None:
+        """Keep the damage at the end of a turn, after so many steps."""
+        if turn % self._every == 0:
+            self._marks.append((turn, steps, self._count.damage))
+        if len(self._marks) > MOST_MARKS:
+            self._every *= 2
+            self._marks = [mark for mark in self._marks if mark[0] % self._every == 0]
+
+    @property
+    def damage(self) -> Real:
+        """Damage so far, (nodes, K, rules)."""
+        return self._count.damage.reshape(len(self.static.nodes), len(self.angles), -1)
+
+    @property
+    def marks(self) -> tuple[Real, Real]:
+        """Distances at the ends of turns, (M,) m, and the damage up to there, (M, nodes, K, rules).
+
+        They are the same however a run is cut; a long run has marks farther apart.
+        """
+        distances = np.array([steps for _, steps, _ in self._marks], dtype=np.float64) * self.wheel.step_length
+        shape = (len(self._marks), len(self.static.nodes), len(self.angles), len(self.curve.rules))
+        return distances, np.array([damage for *_, damage in self._marks], dtype=np.float64).reshape(shape)
+
+    @property
+    def next_step(self) -> int | None:
+        """Step with which the next block begins; None before the first one."""
+        return self._next
+
     @property
     def _amplitudes(self) -> Real:
         """Largest of the turns so far, the one that has begun included, (nodes,), Pa."""
@@ -183,13 +236,12 @@ class AxleFatigue:
     @property
     def nodes(self) -> tuple[NodeFatigue, ...]:
         """Fatigue of each node so far, the residue counted as half cycles."""
-        static, curve = self.static, self._count.curve
+        static, curve = self.static, self.curve
         distance = self.steps * self.wheel.step_length
         turns = self.steps / self.wheel.turn
         amplitude = self._amplitudes
-        by_node = self.spectrum.damage.reshape(len(static.nodes), len(self.angles), -1)
         found = []
-        for node, (name, damage) in enumerate(zip(static.nodes, by_node, strict=True)):
+        for node, (name, damage) in enumerate(zip(static.nodes, self.damage, strict=True)):
             mean, undamaged = float(static.mean[node]), float(static.amplitude[node])
             equivalent = equivalent_amplitude(undamaged, mean, curve.mean_stress_sensitivity)
             each = damage[:, 0].max() / turns if turns else 0.0
@@ -203,20 +255,27 @@ class AxleFatigue:
                     angles=self.angles,
                     damage=damage,
                     undamaged=turns * np.array([damage_of(equivalent, rule) for rule in curve.constants]),
-                    equivalent_range=float(2 * curve.limit * (each * curve.knee_cycles) ** (1 / curve.slope)),
+                    equivalent_range=equivalent_range(each, curve),
                 )
             )
         return tuple(found)
 
-    def saved(self) -> dict[str, Real]:
+    def saved(self) -> dict[str, NDArray[Any]]:
         """Arrays from which ``resume`` goes on, as ``numpy.savez`` takes them."""
         own = {"low": self._low, "high": self._high, "amplitude": self._amplitude}
         steps = np.array([self.steps, -1 if self._next is None else self._next])
-        return {**self._count.saved(), **{name: array.copy() for name, array in own.items()}, "steps": steps}
+        marks = {
+            "marks": np.array([(turn, at) for turn, at, _ in self._marks], dtype=np.int64).reshape(-1, 2),
+            "mark_damage": np.array([damage for *_, damage in self._marks]),
+            "every": np.array(self._every),
+        }
+        return {**self._count.saved(), **{name: array.copy() for name, array in own.items()}, "steps": steps, **marks}
 
-    def resume(self, saved: dict[str, Real]) -> None:
+    def resume(self, saved: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a saved state of the same nodes, points, curve and gate; raises InputError if shapes differ."""
         self._count.resume(saved)
         self._low, self._high, self._amplitude = (saved[name].copy() for name in ("low", "high", "amplitude"))
         self.steps, following = (int(each) for each in saved["steps"])
         self._next = None if following < 0 else following
+        places = zip(saved["marks"].tolist(), saved["mark_damage"], strict=True)
+        self._marks, self._every = [(turn, at, damage.copy()) for (turn, at), damage in places], int(saved["every"])

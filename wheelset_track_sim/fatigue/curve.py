@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..inputs import shipped
+from ..inputs.amounts import in_unit
 from ..inputs.schema import check, quantity, read
 from ..runtime.arrays import Real
 
@@ -39,6 +40,10 @@ class Curve:
     survival_probability: float = quantity("", 1e-6, 1.0 - 1e-12, "the survival probability of the curve")
     second_slope: float | None = quantity("", 1.0, 1000.0, "the slope below the knee", default=None)
     """Without one, only the rules of Miner say what happens below the knee."""
+    amplitude_scatter: float | None = quantity(
+        "", 1.0 + 1e-6, 10.0, "the ratio of the amplitudes that 10 % and 90 % survive", default=None
+    )
+    """See ``scatter``; without it, there is no band over scatter and no failure probability."""
     mean_stress: Literal["none", "fkm"] = "none"
     """``none`` ignores the mean; ``fkm`` uses ``mean_stress_sensitivity`` as ``equivalent_amplitude`` says."""
     mean_stress_sensitivity: float = quantity("", 0.0, 1.0, "the mean stress sensitivity M", default=0.0)
@@ -59,6 +64,15 @@ class Curve:
     def assumed(self) -> bool:
         """Whether the constants are an assumption by their own source."""
         return self.source.lower().startswith(ASSUMED)
+
+    @property
+    def note(self) -> str:
+        """Constants with their source, as people read them beside numbers that depend on them."""
+        return (
+            f"S-N curve {self.name}: {in_unit(self.limit, 'MPa', 'Pa')} at {self.knee_cycles:g} cycles, slope "
+            f"{self.slope:g}, survival {self.survival_probability:g}, mean stress {self.mean_stress}; "
+            f"source: {self.source}"
+        )
 
     @property
     def limit(self) -> float:

@@ -63,6 +63,8 @@ class Channels(NamedTuple):
     """(C, CAPACITY), Pa; the first ``DEPTH`` are turning points."""
     matrix: NDArray[np.int64]
     """(C, RANGES, MEANS) half cycles."""
+    sums: Real
+    """(C, RANGES, 2) sums of range and of mean over the half cycles of a row of the matrix, Pa."""
     crossings: NDArray[np.int64]
     """(C, LEVELS + 1): upward crossings of a level less those of the level before."""
     damage: Real
@@ -172,12 +174,50 @@ def tally(
 ) -> None:
     """Add half cycles between two turning points to the matrix and the damage."""
     span, mean = abs(end - start), (start + end) / 2
-    state.matrix[
-        channel, bin_of(span, RANGE_WIDTH, 0, RANGES - 1), bin_of(mean, MEAN_WIDTH, MEANS // 2, MEANS - 1)
-    ] += halves
-    amplitude = equivalent_amplitude(span / 2, mean, sensitivity)
+    row = bin_of(span, RANGE_WIDTH, 0, RANGES - 1)
+    state.matrix[channel, row, bin_of(mean, MEAN_WIDTH, MEANS // 2, MEANS - 1)] += halves
+    state.sums[channel, row, 0] += halves * span
+    state.sums[channel, row, 1] += halves * mean
+    harm(state.damage[channel], start, end, halves, sensitivity, rules)
+
+
+@kernel
+def harm(damage: Real, start: float, end: float, halves: int, sensitivity: float, rules: Real) -> None:
+    """Add the damage of half cycles between two turning points to ``damage`` (Q,)."""
+    amplitude = equivalent_amplitude(abs(end - start) / 2, (start + end) / 2, sensitivity)
     for rule in range(len(rules)):
-        state.damage[channel, rule] += halves / 2 * damage_of(amplitude, rules[rule])
+        damage[rule] += halves / 2 * damage_of(amplitude, rules[rule])
+
+
+@kernel
+def damage_so_far(state: Channels, sensitivity: float, rules: Real) -> Real:
+    """Damage of all channels, (C, Q), with the residue as ``finish`` counts it, bit by bit; the state does not change.
+
+    It costs a copy of the residues alone, not of the matrices.
+    """
+    damage = state.damage.copy()
+    points = np.empty(CAPACITY)
+    for channel in range(len(state.counts)):
+        depth = state.counts[channel, DEPTH]
+        points[:] = state.residue[channel]
+        if state.counts[channel, DIRECTION]:
+            last = state.stresses[channel, EXTREME]
+            if depth == CAPACITY:
+                harm(damage[channel], points[0], points[1], 1, sensitivity, rules)
+                points[:-1] = points[1:].copy()
+                depth -= 1
+            points[depth] = last
+            depth += 1
+            while depth >= 4:
+                inner = abs(points[depth - 2] - points[depth - 3])
+                if inner > abs(points[depth - 3] - points[depth - 4]) or inner > abs(last - points[depth - 2]):
+                    break
+                harm(damage[channel], points[depth - 3], points[depth - 2], 2, sensitivity, rules)
+                depth -= 2
+                points[depth - 1] = last
+        for point in range(depth - 1):
+            harm(damage[channel], points[point], points[point + 1], 1, sensitivity, rules)
+    return damage
 
 
 @kernel

@@ -41,6 +41,7 @@ FURTHER: dict[str, tuple[str, str]] = {
     "1": ("1", "1"),
     "%": ("0.01", "1"),
     "sleepers": ("1", "sleepers"),
+    "sqrtm": ("1", "sqrtm"),
 }
 """Units that only values have, not headings (``t`` is the time there): size, and the unit that it is the size in."""
 SPELLINGS = ALIASES | {"kmh": "km/h"}
@@ -50,6 +51,7 @@ OTHERS = {
     "s": ("ms", "us", "min", "h"),
     "N": ("kN", "t", "kg", "MN"),
     "Pa": ("MPa", "GPa", "kPa"),
+    "Pa sqrtm": ("MPa sqrtm",),
     "rad": ("deg", "mrad"),
     "kg": ("t", "g"),
     "Hz": ("kHz",),

@@ -149,6 +149,8 @@ def located(kind: str, name_or_path: str) -> Traversable | Path:
 
 def singular(kind: str) -> str:
     """``scenario`` of ``scenarios``, ``study`` of ``studies``."""
+    if kind == "criteria":
+        return "criterion"
     return kind.removesuffix("ies") + "y" if kind.endswith("ies") else kind.removesuffix("s")
 
 

@@ -33,6 +33,7 @@ from ..samples.turns import TurnPeaks, TurnWatch
 from ..sensors.reading import SensorReaders
 from ..simulation.simulator import Simulator
 from ..wayside.watch import WaysideWatch
+from .fatigue_watch import FatigueSettings, FatigueWatch
 from .stream import Timing
 
 RUNNING, PAUSED, FAILED = range(3)
@@ -51,6 +52,8 @@ class Events:
     """The last complete turn of the wheels."""
     turns: tuple[TurnPeaks, ...] = ()
     """Turns that were completed in the block."""
+    fatigue: Message | None = None
+    """The latest report of fatigue, if one was due in the block."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +81,11 @@ class RunMessages:
         start_ns: int = 0,
         impacts: ImpactSettings | None = None,
         frame: str = FRAME,
+        fatigue: FatigueWatch | None = None,
     ) -> None:
         """Begin with the next block of ``simulator``; ``start_ns`` is the time stamp of step 0, ns.
 
-        ``impacts`` defines an impact, ``frame`` is that of all headers.
+        ``impacts`` defines an impact, ``frame`` is that of all headers, ``fatigue`` counts cycles of the axle.
         """
         self.simulator, self.start_ns, self._frame = simulator, start_ns, frame
         self.detector = ImpactDetector(simulator.steps_per_revolution, simulator.models.tread_origin, impacts)
@@ -89,6 +93,8 @@ class RunMessages:
         """The latest state."""
         self.state_due = False
         """Whether the next block repeats the state though nothing has changed, as in a new file."""
+        self.fatigue = fatigue
+        """Counts cycles of the axle; None if nobody asked for it."""
         self._turns = TurnWatch(simulator.steps_per_revolution)
         wheel = simulator.steps_per_revolution, simulator.models.tread_origin
         self._sensors = SensorReaders(simulator.scenario.sensors, *wheel)
@@ -107,24 +113,28 @@ class RunMessages:
         states = self._states(block, timing, recording)
         impacts = self.detector.push(block, self.told.axle_load / 2, summary)
         turns = tuple(self._turns.push(block, summary))
-        events = Events(impacts, self._turns.last, turns)
+        reports = self.fatigue.push(block, self.start_ns) if self.fatigue else []
+        events = Events(impacts, self._turns.last, turns, reports[-1] if reports else None)
         chunk = chunk_messages(
             block,
             self.start_ns,
             summary=summary,
             turn=events.turn,
             channels=self._sensors.channels,
-            sensed=self._sensors.push(block),
+            sensed=self._sensors.push(block, self.simulator.in_force.sensors),
             **vars(timing),
         )
         passed = [wayside_message(passage, self.start_ns) for passage in self._wayside.push(block)]
         return BlockMessages(
-            in_frame(states, self._frame), in_frame([*chunk, *self._impacts(impacts), *passed], self._frame), events
+            in_frame(states, self._frame),
+            in_frame([*chunk, *self._impacts(impacts), *passed, *reports], self._frame),
+            events,
         )
 
     def finish(self) -> list[Message]:
         """Impacts that have not ended at the end of the run, as far as they go, and the last samples of sensors."""
         last = [*sensor_messages(self._sensors.finish(), self.start_ns), *self._impacts(self.detector.finish())]
+        last += self.fatigue.finish(self.start_ns) if self.fatigue else []
         return in_frame(last, self._frame)
 
     def _states(self, block: SampleBlock, timing: Timing, recording: str) -> list[Message]:
@@ -157,6 +167,7 @@ def record(
     start_ns: int = 0,
     settings: RecordSettings | None = None,
     impacts: ImpactSettings | None = None,
+    fatigue: FatigueSettings | None = None,
 ) -> Iterator[Push]:
     """Record a simulator from its next block on; a context manager that leaves a readable bag.
 
@@ -172,6 +183,8 @@ def record(
         How the run is recorded: bounds, splitting, snapshots.
     impacts
         What makes an impact.
+    fatigue
+        How the fatigue of the axle is counted; by default it is not.
 
     Raises
     ------
@@ -188,7 +201,8 @@ def record(
     >>> read_bag("turn.mcap").forces.shape
     (2713, 2)
     """
-    run = RunMessages(simulator, start_ns=start_ns, impacts=impacts)
+    watch = FatigueWatch(simulator, fatigue) if fatigue else None
+    run = RunMessages(simulator, start_ns=start_ns, impacts=impacts, fatigue=watch)
     with writer_of(Path(path), run_info(simulator), settings or RecordSettings(), start_ns=start_ns) as bag:
         bag.write_messages([run.state()])
 

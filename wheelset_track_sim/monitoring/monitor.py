@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from ..samples.block import SampleBlock
 from ..samples.rotating_bending import RotatingBending
 from ..samples.summary import Summary
 from ..samples.turns import NO_TURN
-from ..scenario import WHEELS
+from ..scenario import WHEELS, Scenario
+from ..verdict.limit_set import Level, LimitSet
+from ..verdict.verdicts import Verdict, verdicts, worst
 from ..wheelset.reduced import COMPONENTS
 from .limits import Limits
 from .status import (
-    Level,
     NodeFigures,
     PaceFigures,
     Status,
@@ -30,6 +32,7 @@ from .status import (
     pace_status,
     stress_level,
     stress_status,
+    verdict_status,
     wheel_level,
     wheel_status,
 )
@@ -74,13 +77,16 @@ class Monitor:
         steps_per_revolution: int,
         constant_stress: Real,
         clock: Callable[[], float] = time.monotonic,
+        limit_set: LimitSet | None = None,
     ) -> None:
         """For stress ``nodes``, with what press fits and the like add there at all times, (nodes, 6), Pa.
 
-        ``threshold`` is the force that makes an impact, N.
+        ``threshold`` is the force that makes an impact, N. With a ``limit_set`` there is a verdict by it, too.
         """
         self.limits, self.threshold = limits, threshold
         """May change while the run goes on."""
+        self._limit_set = limit_set
+        self._irregularities: tuple[Any, ...] = ()
         self._wanted = 0.0
         self._factor = math.nan  # of the last whole stretch
         self._stretch = _Stretch()
@@ -108,13 +114,14 @@ class Monitor:
             if factor != self._wanted:  # what was reached until now is no answer to that
                 self._wanted, self._factor, self._stretch = factor, math.nan, _Stretch()
 
-    def push(self, block: SampleBlock, summary: Summary, events: Events, timing: Timing, static_force: float) -> bool:
+    def push(self, block: SampleBlock, summary: Summary, events: Events, timing: Timing, on: Scenario) -> bool:
         """Take in a block; whether something is worse now than it was last reported.
 
-        ``static_force`` is that of each wheel, N.
+        ``on`` is the scenario in force.
         """
         with self._lock:
-            window, self._turn, self._static = self._window, events.turn, static_force
+            window, self._turn, self._static = self._window, events.turn, on.wheel_load
+            self._irregularities = on.irregularities
             for wheel, load in enumerate(summary.wheels):
                 window.forces[wheel] = max(window.forces[wheel], load.max_force)
                 window.losses[wheel] += load.contact_loss
@@ -178,7 +185,14 @@ class Monitor:
             *(wheel_level(force, self.threshold, self.limits) for force in forces),
             *(stress_level(amplitude, self.limits) for amplitude in self._amplitudes()),
             lag_level(self._window.lag, self.limits),
+            worst(self._verdicts()),
         ]
+
+    def _verdicts(self) -> tuple[Verdict, ...]:
+        if self._limit_set is None:
+            return ()
+        amplitudes = dict(zip(self._nodes, self._amplitudes(), strict=True))
+        return verdicts(self._limit_set, self._peaks()[0], self._irregularities, amplitudes)
 
     def _statuses(self) -> list[Status]:
         forces, stresses = self._peaks()
@@ -202,10 +216,12 @@ class Monitor:
             stress_status(name, NodeFigures(*node), self.limits)
             for name, node in zip(self._nodes, figures, strict=True)
         ]
-        return [*wheels, *nodes, pace_status(PaceFigures(self._factor, self._wanted, self._window.lag), self.limits)]
+        pace = pace_status(PaceFigures(self._factor, self._wanted, self._window.lag), self.limits)
+        return [*wheels, *nodes, pace, *([verdict_status(self._verdicts())] if self._limit_set else [])]
 
     def _stale(self, why: str) -> list[Status]:
         names = [*WHEELS, *(f"stress {node}" for node in self._nodes), "pacing"]
+        names += ["verdict"] if self._limit_set else []
         known = {status.name: status for status in self._last}
         blank = Status("", Level.STALE, why)
         return [replace(known.get(name, blank), name=name, level=Level.STALE, message=why) for name in names]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from socketserver import ThreadingMixIn
 from typing import TYPE_CHECKING, Any
 from wsgiref.simple_server import WSGIRequestHandler, WSGIServer, make_server
@@ -61,6 +61,10 @@ class Metrics:
         self._level = made(
             Gauge, "status_level", "Level of a subject: 0 is OK, 1 a warning, 2 an alarm, 3 stale", "subject"
         )
+        self._damage = made(Gauge, "axle_damage", "Fatigue damage at the worst angle, by the S-N curve", "node", "rule")
+        self._ratio = made(Gauge, "axle_damage_ratio", "The same over that without damaged wheels", "node")
+        self._rotating = made(Gauge, "rotating_amplitude_pascals", "Largest rotating amplitude of the axle", "node")
+        self._distance = made(Gauge, "fatigue_distance_meters", "Distance over which fatigue is counted")
         for wheel in WHEELS:  # counters are there from the start, or the first impact is no increase
             self._loss.labels(wheel)
             self._impacts.labels(wheel)
@@ -78,12 +82,24 @@ class Metrics:
                 self._force.labels(wheel).set(force)
             for node, stress in zip(block.nodes, turn.principal, strict=True):
                 self._stress.labels(node).set(stress)
+        if events.fatigue is not None:
+            self._set_fatigue(events.fatigue.fields)
         self._steps.inc(len(block))
         self._simulated.inc(len(block) * block.step_period)
         self._speed.set(block.speed)
         self._factor.set(timing.real_time_factor)
         self._lag.set(timing.lag)
         self._revision.set(block.revision)
+
+    def _set_fatigue(self, report: Mapping[str, Any]) -> None:
+        nodes, rules = report["nodes"], report["rules"]
+        damage = report["damage"].reshape(len(nodes), -1, len(rules))
+        for node, by_angle, ratio, amplitude in zip(nodes, damage, report["ratio"], report["amplitude"], strict=True):
+            self._ratio.labels(node).set(ratio)
+            self._rotating.labels(node).set(amplitude)
+            for rule, harm in zip(rules, by_angle[by_angle[:, 0].argmax()], strict=True):
+                self._damage.labels(node, rule).set(harm)
+        self._distance.set(report["distance"])
 
     def set_levels(self, statuses: Iterable[Status]) -> None:
         """Take in the levels of a report."""

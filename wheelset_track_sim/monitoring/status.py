@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 
 from ..live.recorder import RecordingFigures
+from ..verdict.limit_set import Level
+from ..verdict.verdicts import Verdict, worst
 from .limits import Limits
-
-
-class Level(IntEnum):
-    """How bad it is; numbers as in ``diagnostic_msgs/DiagnosticStatus``."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
-    STALE = 3
 
 
 @dataclass(frozen=True)
@@ -144,6 +137,14 @@ def stress_status(name: str, node: NodeFigures, limits: Limits) -> Status:
             error_limit_Pa=limits.stress_error,
         ),
     )
+
+
+def verdict_status(found: Sequence[Verdict]) -> Status:
+    """Status of what the run reached against a set of limits; the worst comparisons come first."""
+    level = worst(found)
+    told = "; ".join(each.text for each in found if each.level == level) if level else f"{len(found)} limits kept"
+    values = tuple((f"{each.subject}.{each.quantity}", f"{each.level.word}: {each.text}") for each in found)
+    return Status("verdict", level, told, values)
 
 
 def pace_status(pace: PaceFigures, limits: Limits) -> Status:

@@ -31,6 +31,9 @@ DOTS = 125
 NOTE = 150
 """Letters in a line of the note below a figure."""
 QUIET = "#5a5a5f"
+LIMIT_COLOURS = {"warning": "#b8860b", "alarm": "#a00000"}
+NEAR = 1.05
+"""Share of the largest force up to which limits are drawn."""
 MADE_WITH = f"wheelset_track_sim {__version__}"
 STYLE: Any = {
     "font.family": "sans-serif",
@@ -114,6 +117,10 @@ def draw_forces(axes: Axes, run: Survey, part: SampleSeries) -> None:
     if not math.isnan(run.wheel_load):
         axes.axhline(run.wheel_load / 1e3, color="#888888", linewidth=0.8, linestyle=(0, (4, 3)), label="static")
     curves(axes, part, part.forces / 1e3, ("wheel 1", "wheel 2"))
+    for limit in run.limits.force if run.limits else ():
+        if limit.above <= NEAR * part.forces.max():
+            name = f"{limit.level} {limit.above / 1e3:.4g} kN"
+            axes.axhline(limit.above / 1e3, color=LIMIT_COLOURS[limit.level], linewidth=1.0, label=name)
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     finish(axes, "contact force (kN)")
 

@@ -12,9 +12,10 @@ from bokeh.models.layouts import LayoutDOM
 from bokeh.resources import Resources
 
 from ..errors import ContactError, InputError
+from ..fatigue.axle import AxleFatigue
 from ..scenario import Scenario
 from ..twin.measured import Comparison
-from . import measured, plots, sections, sensors
+from . import fatigue, measured, plots, sections, sensors
 from .contact_map import ContactMap, contact_map
 from .files import STYLE, asset, write_whole
 from .survey import Survey
@@ -24,8 +25,12 @@ SECURITY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-in
 """The browser itself prevents all requests of the page."""
 
 
-def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -> Path:
-    """Write the page of a run to ``out`` and return it, with a section on what was measured if there is a comparison.
+def write_report(
+    run: Survey, out: Path, comparison: Comparison | None = None, counted: AxleFatigue | None = None
+) -> Path:
+    """Write the page of a run to ``out`` and return it.
+
+    It has a section on what was measured if there is a comparison, and on fatigue if that was counted.
 
     Raises InputError if the path cannot be written.
     """
@@ -49,7 +54,7 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
 <p>{escape(description(run))}</p>
 {sections.surfaces(run)}
 <noscript><p>The plots need JavaScript; the tables do not.</p></noscript>
-{"".join(_sections(run, comparison))}
+{"".join(_sections(run, comparison, counted))}
 {library}<script>
 {asset("page.js")}</script>
 </body>
@@ -58,13 +63,16 @@ def write_report(run: Survey, out: Path, comparison: Comparison | None = None) -
     return write_whole(out, page.encode(errors="backslashreplace"))
 
 
-def _sections(run: Survey, comparison: Comparison | None) -> Iterator[str]:
+def _sections(run: Survey, comparison: Comparison | None, counted: AxleFatigue | None) -> Iterator[str]:
     yield sections.losses(run)
     yield sections.peaks(run)
+    yield sections.verdict(run)
     yield sections.over_time(run, _plot(plots.time_plots(run), "time-plots"))
     yield sections.impacts(run)
     if run.sensors:
         yield sensors.section(run.sensors, _plot(sensors.sensor_plots(run.sensors, run.peak.time), "sensor-plots"))
+    if counted:
+        yield fatigue.section(counted, _plot(fatigue.fatigue_plots(counted), "fatigue-plots"))
     if comparison:
         yield measured.section(comparison, _plot(measured.measured_plots(comparison), "measured-plots"))
     scenario = run.scenario_in_force(run.peak.revision)

@@ -34,14 +34,14 @@ from bokeh.palettes import Inferno256
 from bokeh.plotting import figure
 from numpy.typing import NDArray
 
-from ..monitoring.limits import Limits
 from .contact_map import ContactMap
 from .envelope import drawn
+from .figures import NEAR
 from .files import asset
 from .samples import WHEELS
 from .spectrum import Spectrum
 from .survey import Survey
-from .table import made_by
+from .table import force_lines, made_by
 
 COLOURS = ("#e0641f", "#3b8ed0", "#1f9e77", "#cc79a7", "#b8860b", "#7a6fd0")
 """Told apart on light and dark ground, and with every kind of colour vision."""
@@ -50,8 +50,6 @@ NOTE_HEIGHT = 60
 """Of the small print and of the axis above it, pixels."""
 PADDING = 0.06
 """Space above and below curves, as a share of their range."""
-NEAR = 1.05
-"""Share of the largest force up to which limits are drawn."""
 MOST_CHANGES = 100
 """Most changes of the run that are marked in the plots."""
 
@@ -261,15 +259,14 @@ def _read_out(plot: figure, line: GlyphRenderer, values: list[tuple[str, str]], 
 def _draw_limits(plot: figure, run: Survey, time: Range1d) -> None:
     """Lines at the static force, the threshold of impacts and the limit of the alarm, those that forces come near."""
     plot.y_range.renderers = [*plot.renderers]
-    limits = {"static": run.wheel_load, "impact": run.threshold, "alarm": Limits().force_error}
-    dashes: dict[str, list[int]] = {"static": [4, 3], "impact": [8, 4], "alarm": []}
-    for name, force in limits.items():
+    dashes: dict[str, list[int]] = {"static": [4, 3], "impact": [8, 4]}
+    for name, force in force_lines(run).items():
         if force <= NEAR * run.peak.force:  # none that is unknown, either
             line = plot.line(
                 [time.start, time.end],
                 [force / 1e3] * 2,
                 line_color=MARK["line_color"],
-                line_dash=dashes[name],
+                line_dash=dashes.get(name, []),
                 name=name,
             )
             plot.legend[0].items.append(LegendItem(label=name, renderers=[line]))

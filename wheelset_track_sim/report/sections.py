@@ -16,13 +16,17 @@ from .contact_map import ContactMap
 from .files import PAPER
 from .spectrum import Spectrum
 from .survey import InForce, Survey
-from .table import between, headings, rows, source
+from .table import between, force_lines, headings, rows, source, verdict_words
 
 VIEW = 0.010, 0.030
 """Time shown before and after an impact, s."""
 AMPLITUDE = (
     "Bending amplitude: half the range of bending stress that a point of the turning axle goes through, in the turn "
     "with the largest. Fatigue limits refer to it; by default, diagnostics warn above {} and raise an alarm above {}."
+)
+STRESS_LIMITS = (
+    "A limit of axle stress is compared with the bending amplitude of the turning axle, never with the largest "
+    "principal stress. "
 )
 MOST_IMPACTS = 100
 """Most impacts that are listed."""
@@ -54,6 +58,25 @@ def peaks(run: Survey) -> str:
     return f"<h2>Peaks</h2>{table}{note}"
 
 
+def verdict(run: Survey) -> str:
+    """What the run reached against the limits, comparison by comparison; nothing without limits."""
+    if run.limits is None:
+        return ""
+    found = run.verdicts
+    head = '<th>level</th><th class="text">compared</th><th class="text">source of the limit</th>'
+    lines = "".join(
+        f"<tr><td>{each.level.word}</td><td class='text'>{escape(each.text)}</td>"
+        f"<td class='text quiet'>{escape(each.limit.source)}</td></tr>"
+        for each in found
+    )
+    table = f'<table id="verdicts"><thead><tr>{head}</tr></thead><tbody>{lines}</tbody></table>' if found else ""
+    return (
+        f'<h2>Verdict: <span id="verdict">{verdict_words(run)}</span></h2><div class="list">{table}</div>'
+        f'<p class="quiet">Forces act at the contact; a wayside detector reads others. '
+        f"{STRESS_LIMITS if run.nodes else ''}What the set has no limit for is not compared.</p>"
+    )
+
+
 def losses(run: Survey) -> str:
     """What of the bag is damaged or missing; nothing if it is whole."""
     if not run.losses:
@@ -80,9 +103,9 @@ def over_time(run: Survey, plot: str) -> str:
             f"so that no peak is lost, and every step within about one turn of the wheel around the "
             f"{len(run.closeups)} largest forces."
         )
-    static = "" if math.isnan(run.wheel_load) else f"static {run.wheel_load / 1e3:.4g} kN, "
-    impact = "" if math.isnan(run.threshold) else f"impact {run.threshold / 1e3:.4g} kN, "
-    lines = f"Lines: {static}{impact}alarm {Limits().force_error / 1e3:.4g} kN, as far as forces reach them. "
+    marked = force_lines(run).items()
+    known = ", ".join(name if name.endswith(" kN") else f"{name} {force / 1e3:.4g} kN" for name, force in marked)
+    lines = f"Lines: {escape(known)}, as far as forces reach them. " if known else ""
     stress = "Stress is the maximum principal stress. " if run.nodes else ""
     return (
         f'<h2 id="over-time">Forces and stresses over time</h2><p class="screen">{buttons}</p>{plot}'

@@ -19,9 +19,13 @@ from ..inputs.text_files import without_files
 from ..inputs.yaml12 import parse
 from ..samples.block import SampleBlock
 from ..samples.impacts import Impact, ImpactDetector, ImpactSettings
+from ..samples.spread import Spread, TurnSpread
 from ..samples.summary import Summary, combine, summarise
+from ..samples.turns import TurnWatch
 from ..scenario import Scenario, scenario_from
-from .bending import BendingAmplitudes
+from ..verdict.bending import BendingAmplitudes
+from ..verdict.limit_set import LimitSet
+from ..verdict.verdicts import Verdict, verdicts
 from .envelope import Bins, Envelope
 from .published import LoadCasePassage, published_passage
 from .samples import Closeup, Closeups, SampleSeries, joined, samples_of
@@ -122,13 +126,28 @@ class Survey:
     losses: tuple[Loss, ...] = ()
     """What of the bag is damaged or missing."""
     sensors: tuple[SensorFigures, ...] = ()
+    turns: int = 0
+    """Complete turns of the wheels."""
+    by_turn: tuple[Spread, ...] = ()
+    """Of the largest force of each wheel, N, and the largest principal stress of each node, Pa, in a turn."""
     """What each sensor gave."""
+    limits: LimitSet | None = None
+    """What the run is compared with."""
 
     @property
     def wheel_load(self) -> float:
         """Force of each wheel at rest, N; NaN if unknown, or if it changed during the run."""
         loads = self.axle_loads
         return loads[0] / 2 if loads and loads[0] == loads[1] else math.nan
+
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """The largest forces, damage lengths and bending amplitudes against the limits; empty without limits."""
+        if self.limits is None:
+            return ()
+        forces = [wheel.max_force for wheel in self.summary.wheels]
+        damage = [item for held in self.in_force for item in held.irregularities or ()]
+        return verdicts(self.limits, forces, damage, dict(zip(self.nodes, self.amplitudes, strict=True)))
 
     @property
     def axle_loads(self) -> tuple[float, float] | None:
@@ -142,8 +161,10 @@ class Survey:
         return _read(next(texts, self.info.scenario))
 
 
-def survey(path: Path, settings: ImpactSettings | None = None) -> Survey:
+def survey(path: Path, settings: ImpactSettings | None = None, limits: LimitSet | None = None) -> Survey:
     """Survey of a bag, with impacts as the settings say; of what can be read of it, if it is damaged or has gaps.
+
+    ``limits`` are what its verdicts compare with.
 
     Raises RecordingError in one line if the bag is missing or holds no run.
     """
@@ -151,7 +172,7 @@ def survey(path: Path, settings: ImpactSettings | None = None) -> Survey:
     bag = Bag(path, losses.append)
     found = survey_of(bag.events(), bag.info, bag.start_ns, bag.path, settings)
     sensors = sensor_figures(sensor_parts(bag.reader.quiet), found.peak.time)
-    return dataclasses.replace(found, losses=tuple(losses), sensors=tuple(sensors))
+    return dataclasses.replace(found, losses=tuple(losses), sensors=tuple(sensors), limits=limits)
 
 
 def survey_of(
@@ -197,7 +218,9 @@ class _Collected:
         self._radius, self._threshold = self._scenario.wheelset.rolling_radius if self._scenario else math.nan, math.nan
         self._impacts: list[Impact] = []
         self._settings, self._detector = settings, self._new_detector(settings)
-        self._bending = BendingAmplitudes(self._scenario, self._turn, first.nodes) if self._scenario else None
+        self._bending = BendingAmplitudes.of(self._scenario, self._turn, first.nodes) if self._scenario else None
+        self._watch = TurnWatch(self._turn) if self._scenario else None
+        self._by_turn = TurnSpread()
         self.wheel_load = math.nan
         if self._detector and self._scenario:
             self.wheel_load = self._scenario.wheel_load
@@ -226,6 +249,9 @@ class _Collected:
         self._look_for_peak(block, samples)
         if self._bending:
             self._bending.push(block)
+        if self._watch:
+            for turn in self._watch.push(block, part):
+                self._by_turn.push(turn)
         if self._detector:
             self._keep(self._detector.push(block, wheel_load))
         if not self._speeds or self._speeds[-1][1] != block.speed:
@@ -256,6 +282,8 @@ class _Collected:
         self._welch.leave()
         if self._bending:
             self._bending.leave()
+        if self._watch:
+            self._watch = TurnWatch(self._turn)
         if self._detector:
             self._keep(self._detector.finish())
             self._detector = self._new_detector(self._settings)
@@ -324,6 +352,8 @@ class _Collected:
             speeds=tuple(self._speeds),
             in_force=_in_force(self._driven, states, self._info),
             summary=self._total,
+            turns=self._by_turn.turns,
+            by_turn=self._by_turn.spreads,
             amplitudes=self._bending.largest if self._bending else (math.nan,) * len(first.nodes),
             passage=passage,
             peak=self._peak,

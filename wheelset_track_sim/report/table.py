@@ -10,8 +10,12 @@ from rich.table import Table
 
 from ..errors import printable
 from ..samples.summary import Summary
+from ..verdict.verdicts import worst
 from .published import LoadCasePassage
 from .survey import Survey
+
+FEWEST_TURNS = 3
+"""Turns from which on their scatter is shown."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,13 @@ def rows(run: Survey) -> list[TableRow]:
         TableRow(label, unit, value, passage.get((label, unit), math.nan), printed.get((label, unit), math.nan))
         for (label, unit), value in _figures(run.summary, load).items()
     ]
+    if run.turns >= FEWEST_TURNS:
+        names = [f"Contact force wheel {index}" for index in (1, 2)]
+        names += [f"Max. principal stress {node}" for node in run.nodes]
+        for number, (name, spread) in enumerate(zip(names, run.by_turn, strict=True)):
+            size, unit = (1e3, "kN") if number < 2 else (1e6, "MPa")
+            found.append(TableRow(f"{name}, median peak of {run.turns} turns", unit, spread.median / size))
+            found.append(TableRow(f"{name}, smallest peak of a turn", unit, spread.low / size))
     amplitudes = zip(run.nodes, run.amplitudes, strict=True)
     return found + [
         TableRow(f"Bending amplitude {node}", "MPa", of / 1e6) for node, of in amplitudes if not math.isnan(of)
@@ -68,6 +79,23 @@ def _figures(summary: Summary, wheel_load: float) -> dict[tuple[str, str], float
         found[f"Max. principal stress {node.name}, max", "MPa"] = node.max_principal / 1e6
         found[f"Max. principal stress {node.name}, min", "MPa"] = node.min_principal / 1e6
     return found
+
+
+def force_lines(run: Survey) -> dict[str, float]:
+    """Forces that figures mark, N, by name: at rest, the threshold of impacts, limits of the verdict."""
+    stated = run.limits.force if run.limits else ()
+    lines = {"static": run.wheel_load, "impact": run.threshold}
+    lines |= {f"{limit.level} {limit.above / 1e3:.4g} kN": limit.above for limit in stated}
+    return {name: force for name, force in lines.items() if not math.isnan(force)}
+
+
+def verdict_words(run: Survey) -> str:
+    """The worst level of all verdicts with the name of the set; empty without limits."""
+    if run.limits is None:
+        return ""
+    found = run.verdicts
+    level = worst(found).word if found else "nothing to compare"
+    return printable(f"{level}, by {run.limits.name}")
 
 
 def title(run: Survey) -> str:
@@ -128,4 +156,10 @@ def summary_table(run: Survey) -> Table:
             table.add_section()
         unit = row.unit
         table.add_row(row.label, *row.cells()[: len(headings(run))])
+    if run.limits is not None:
+        table.add_section()
+        table.add_row("Verdict", verdict_words(run))
+        lines = [printable(each.text) for each in run.verdicts]
+        table.caption = "\n".join([*([str(table.caption)] if table.caption else []), *lines])
+        table.caption_justify = "left"
     return table

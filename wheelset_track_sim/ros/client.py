@@ -25,6 +25,8 @@ from .hosting import refusing
 
 ASKED_AGAIN = 1.0
 """Time after which the node is asked again whether it knows this client, s: the middleware loses the first answers."""
+LOOKED_AGAIN = 0.01
+"""Time after which the graph is looked at again for the node, s."""
 FOUND = 10.0
 """Longest time in which a node that is there answers a client that it did not know, s."""
 SETTLED = 2.0
@@ -128,6 +130,9 @@ class RemoteNode:
         limit = time.monotonic() + patience
         try:
             while time.monotonic() < limit:
+                if not newest.service_is_ready():  # what is sent now is lost
+                    self._executor.spin_once(timeout_sec=LOOKED_AGAIN)
+                    continue
                 future = newest.call_async(GetParameters.Request())
                 self._executor.spin_until_future_complete(future, ASKED_AGAIN)
                 if future.done():

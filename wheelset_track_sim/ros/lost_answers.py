@@ -18,7 +18,8 @@ from typing import Any
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
-from ..monitoring.status import Level, Status
+from ..monitoring.status import Status
+from ..verdict.limit_set import Level
 
 UNDELIVERED = "failed to send response"
 """Beginning of the warning of rclpy."""

@@ -14,10 +14,11 @@ from ..live.run_messages import Events
 from ..live.stream import Timing
 from ..monitoring.monitor import Monitor
 from ..monitoring.prometheus import Endpoint, Metrics
-from ..monitoring.status import Level, Status
+from ..monitoring.status import Status
 from ..samples.block import SampleBlock
 from ..samples.summary import Summary
 from ..simulation.simulator import Simulator
+from ..verdict.limit_set import Level, load_limits
 from .conversions import diagnostics
 from .parameters import Parameters, Watching
 
@@ -65,6 +66,7 @@ class Monitoring:
             settings.limits,
             simulator.steps_per_revolution,
             simulator.constant_stress,
+            limit_set=load_limits(self._parameters["limits"]),
         )
         self._monitor.wanted = real_time_factor
         self.pause("configured, not active")
@@ -96,7 +98,7 @@ class Monitoring:
         assert self._simulator is not None
         if self._metrics is not None:
             self._metrics.push(block, summary, events, timing)
-        if self._monitor.push(block, summary, events, timing, self._simulator.in_force.wheel_load):
+        if self._monitor.push(block, summary, events, timing, self._simulator.in_force):
             self.report()
 
     def end(self, told: str = "unconfigured") -> None:

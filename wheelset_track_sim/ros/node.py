@@ -22,6 +22,7 @@ from rclpy.parameter import Parameter
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError, RecordingError, WheelsetTrackError
+from ..live.fatigue_watch import FatigueWatch
 from ..live.recorder import LONGEST_OF_FILE, Recorder, path_below
 from ..live.revisions import Revisions
 from ..monitoring.status import recording_status
@@ -369,7 +370,8 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
             bag = path_below(folder, name, LONGEST_OF_FILE) if name else self.recorder.path_now(folder)
         try:
             made = simulator.scenario
-            self._outputs.create(made.output.stress_nodes, made.sensors, made.wayside)
+            counted = self.parameters.fatigue() is not None
+            self._outputs.create(made.output.stress_nodes, made.sensors, made.wayside, fatigue=counted)
             LifecycleNodeMixin.on_configure(self, previous)
             self._begin(simulator, bag)
         except Exception:
@@ -384,9 +386,9 @@ class SimulationNode(LifecycleNodeMixin, Node):  # type: ignore[misc]
         self._monitoring.begin(simulator, self._pace.real_time_factor)
         outlets = self._outputs, self._monitoring, self.recorder
         impacts = self.parameters.watching({}).impact
-        run = NodeRun(
-            simulator, *outlets, self._time, self.get_logger(), self._on_end, impacts, self._on_event, self._frame
-        )
+        settings, log = self.parameters.fatigue(), self.get_logger()
+        fatigue = FatigueWatch(simulator, settings, log.warning) if settings else None
+        run = NodeRun(simulator, *outlets, self._time, log, self._on_end, impacts, self._on_event, self._frame, fatigue)
         run.messages.start_ns = self._now_ns()
         self.run, self._bag = run, bag
 

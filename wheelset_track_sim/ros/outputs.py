@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ..bags.messages import FRAME, SENSORS, Message, in_frame, sample_messages, stress_topic
+from ..bags.messages import FATIGUE, FRAME, SENSORS, Message, in_frame, sample_messages, stress_topic
 from ..bags.topics import DEPTH, LATCHED_TOPICS
 from ..samples.block import SampleBlock
 from ..samples.decimation import BlockDecimator
@@ -41,7 +41,12 @@ class Outputs:
         self._start_ns = 0
 
     def create(
-        self, stress_nodes: Sequence[str], sensors: Sequence[Sensor] = (), wayside: Sequence[WaysideDetector] = ()
+        self,
+        stress_nodes: Sequence[str],
+        sensors: Sequence[Sensor] = (),
+        wayside: Sequence[WaysideDetector] = (),
+        *,
+        fatigue: bool = False,
     ) -> None:
         """Make the publishers; those of the stream publish while the node is active."""
         kinds = {"contact_forces": "ContactForces", "summary": "LoadSummary"}
@@ -50,6 +55,7 @@ class Outputs:
         kinds |= {sensor.topic: sensor.kind for sensor in sensors}
         kinds |= {SENSORS: "SensorSummary"} if sensors else {}
         kinds |= {detector.topic: "WaysideReading" for detector in wayside}
+        kinds |= {FATIGUE: "Fatigue"} if fatigue else {}
         for topic, kind in kinds.items():
             latched = topic in LATCHED_TOPICS
             quality = QoSProfile(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import ParameterDescriptor
@@ -12,13 +13,16 @@ from rclpy.parameter import Parameter
 
 from ..bags.settings import RecordSettings
 from ..errors import InputError
+from ..fatigue.curve import load_curve
 from ..inputs.schema import Quantity, quantity_of
+from ..live.fatigue_watch import FatigueSettings
 from ..live.pacing import Pace
 from ..monitoring.limits import Limits
 from ..samples.decimation import FACTOR
 from ..samples.impacts import ImpactSettings
 from ..scenario import Scenario, load_scenario
 from ..scenario.values import SCENARIO_NUMBERS, Values, quantity_named, values_of, with_values
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
 from .declaring import declare, described, fixed, number, warn_of_unknown, whole
 
 T = TypeVar("T")
@@ -34,8 +38,17 @@ START_UP = {
     "publish_odometry": (False, "Publish the position of the wheelset on odometry, once a chunk; needs nav_msgs"),
     "publish_tf": (False, "Publish the transforms map, track, wheelset on /tf and /tf_static; needs tf2_msgs"),
     "publish_clock": (False, "Publish the time of the run on /clock, for nodes with use_sim_time"),
+    "fatigue.curve": (
+        "",
+        "S-N curve for fatigue: a shipped name or a file; empty: fatigue is not counted",
+    ),
+    "fatigue.axle": ("", "Identity of the axle in ledgers; empty: the name of the node"),
+    "fatigue.ledger": ("", "File in which fatigue is kept; empty: only where save_fatigue puts it"),
+    "limits": (DEFAULT_LIMITS, "Limits for the verdict in diagnostics: name of a shipped set, path of a file, or none"),
     "prometheus.address": ("127.0.0.1", "Address on which metrics are served; 0.0.0.0 is all of this machine"),
 }
+COUNTED = ("angles", "mark", "checkpoint")
+"""Numbers of how fatigue is counted."""
 PORT = Quantity("", 0, 65535, "the port on which metrics are served, 0 for none,")
 WATCHED = {"impact": ImpactSettings, "diagnostics": Limits}
 """What is watched, by the first part of the names of its parameters."""
@@ -79,8 +92,14 @@ class Parameters:
                 declare(node, f"{prefix}.{field.name}", field.default, number(quantity_of(kind, field.name)))
         for field in dataclasses.fields(RecordSettings):
             declare(node, f"record.{field.name}", field.default, _of_recording(field.name, field.default))
+        for name in COUNTED:
+            of = quantity_of(FatigueSettings, name)
+            descriptor = whole(of, described(of), read_only=True) if name == "angles" else number(of, read_only=True)
+            declare(node, f"fatigue.{name}", FatigueSettings.__dataclass_fields__[name].default, descriptor)
         declare(node, "prometheus.port", 0, whole(PORT, PORT.meaning.rstrip(","), read_only=True))
         warn_of_unknown(node)
+        load_limits(self["limits"])
+        self.fatigue()
         self.check_clock(self["use_sim_time"])
         self.changed({}, self.file)
         self.pace({})
@@ -137,6 +156,18 @@ class Parameters:
     def recording(self, changes: Values) -> RecordSettings:
         """How recordings are made that begin with ``changes`` made; raises InputError that names the parameter."""
         return self._made("record", RecordSettings, changes)
+
+    def fatigue(self) -> FatigueSettings | None:
+        """How fatigue is counted, or None; raises InputError that names the parameter."""
+        if not self["fatigue.curve"]:
+            return None
+        curve = load_curve(self["fatigue.curve"])
+        axle = self["fatigue.axle"] or self._node.get_fully_qualified_name()
+        ledger = Path(self["fatigue.ledger"]).expanduser() if self["fatigue.ledger"] else None
+        try:
+            return FatigueSettings(curve, axle, ledger=ledger, **{name: self[f"fatigue.{name}"] for name in COUNTED})
+        except InputError as refusal:
+            raise InputError(f"fatigue.{refusal}") from None
 
     def decimation(self, changes: Values) -> dict[str, int]:
         """Steps from sample to sample of each topic in ``DECIMATED`` with ``changes`` made."""

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..bags.messages import FRAME, Message
 from ..errors import InputError, RecordingError
+from ..live.fatigue_watch import FatigueWatch
 from ..live.pacing import Pace
 from ..live.recorder import Recorder
 from ..live.run_messages import FAILED, PAUSED, RUNNING, RunMessages
@@ -46,14 +47,16 @@ class NodeRun:
         impacts: ImpactSettings | None = None,
         happened: Callable[[Applied], None] = lambda applied: None,
         frame: str = FRAME,
+        fatigue: FatigueWatch | None = None,
     ) -> None:
         """``ended`` is called in the stream's thread if the run ends or fails; ``impacts`` defines an impact.
 
-        ``happened`` is called there for each event, before the chunk that it begins with is delivered.
+        ``happened`` is called there for each event, before the chunk that it begins with is delivered. ``fatigue``
+        counts cycles of the axle.
         """
         self.simulator = simulator
         self.contacts = Contacts()
-        self.messages = RunMessages(simulator, impacts=impacts, frame=frame)
+        self.messages = RunMessages(simulator, impacts=impacts, frame=frame, fatigue=fatigue)
         self.frame = frame
         """Frame of all headers."""
         self._outputs, self._monitoring, self._recorder, self._log = outputs, monitoring, recorder, log

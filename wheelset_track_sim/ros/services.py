@@ -18,6 +18,7 @@ from std_srvs.srv import Trigger
 from wheelset_track_msgs.msg import TreadDamageArray
 from wheelset_track_msgs.srv import (
     GetContactPressure,
+    GetSpectrum,
     ScheduleEvents,
     SetIrregularities,
     SetSpeed,
@@ -27,6 +28,7 @@ from wheelset_track_msgs.srv import (
 )
 
 from ..errors import InputError, WheelsetTrackError
+from ..live.fatigue_watch import FatigueWatch
 from ..live.recorder import Recorder
 from ..live.revisions import Revisions
 from ..scenario import Scenario
@@ -40,6 +42,8 @@ from .turns import REQUESTS
 
 FARTHEST = 1e5
 """Distance of a step at most, m."""
+LEDGER = "fatigue.ledger"
+"""File in the folder of recordings that holds fatigue if no other one is named."""
 COMMANDS = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Of set points: where several wait, the latest counts."""
 
@@ -119,6 +123,8 @@ class Services:
             (Trigger, "resume", lambda _: {"message": node.resume()}, switching),
             (Trigger, "reset", lambda _: {"message": node.reset()}, switching),
             (Step, "step", self._step, stepping),
+            (GetSpectrum, "get_spectrum", self._get_spectrum, asking),
+            (Trigger, "save_fatigue", self._save_fatigue, asking),
             (GetContactPressure, "get_contact_pressure", self._get_contact_pressure, asking),
         ):
             answered = partial(served, log, name, answer)
@@ -223,6 +229,46 @@ class Services:
         chunk = dataclasses.replace(self._node.parameters.pace({}), duration=0.0)
         chunks: int = max(1, request.chunks)
         return chunks * chunk.steps(simulator.time, simulator.step_period)
+
+    def _fatigue(self) -> tuple[NodeRun, FatigueWatch]:
+        """The run with its count of fatigue; raises InputError if there is none."""
+        run = self._node.needed_run()
+        if run.messages.fatigue is None:
+            raise InputError("fatigue is not counted: start the node with fatigue.curve, such as assumed_body")
+        return run, run.messages.fatigue
+
+    def _get_spectrum(self, request: Any) -> Answer:
+        run, watch = self._fatigue()
+        found = watch.spectrum(request.node, None if request.worst else request.angle)
+        spectrum = found.spectrum
+        rows, columns = spectrum.half_cycles.shape[1:]
+        return {
+            "header": header(found.time, run.start_ns, run.frame),
+            "next_step": found.next_step,
+            "distance": found.distance,
+            "angle": found.angle,
+            "damage": array("d", spectrum.damage[0].tobytes()),
+            "rows": rows,
+            "columns": columns,
+            "range_width": float(spectrum.ranges[1]),
+            "mean_start": float(spectrum.means[0]),
+            "mean_width": float(spectrum.means[1] - spectrum.means[0]),
+            "half_cycles": array("Q", spectrum.half_cycles[0].astype("u8").tobytes()),
+            "level_start": float(spectrum.levels[0]),
+            "level_width": float(spectrum.levels[1] - spectrum.levels[0]),
+            "crossings": array("Q", spectrum.crossings[0].astype("u8").tobytes()),
+        }
+
+    def _save_fatigue(self, request: Any) -> Answer:
+        run, watch = self._fatigue()
+        path = watch.settings.ledger or Path(self._node.parameters["record.directory"]).expanduser() / LEDGER
+        if watch.settings.ledger is None:
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as reason:
+                raise InputError(f"{path} cannot be written ({reason.strerror}): set fatigue.ledger") from None
+        watch.save(path, run.start_ns)
+        return {"message": str(path)}
 
     def _get_contact_pressure(self, request: Any) -> Answer:
         run = self._node.needed_run()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -81,6 +82,21 @@ class SampleBlock:
 
     def __len__(self) -> int:
         return len(self.forces)
+
+    def part(self, start: int, stop: int) -> SampleBlock:
+        """Samples from ``start`` to before ``stop``, without those of sensors."""
+        if start == 0 and stop == len(self):
+            return self
+        return dataclasses.replace(
+            self,
+            first_step=self.first_step + start * self.decimation,
+            time=self.time + start * self.step_period,
+            position=self.position + start * self.step_period * self.speed,
+            forces=self.forces[start:stop],
+            stresses=self.stresses[start:stop],
+            contacts=NO_CONTACTS,
+            sensors={},
+        )
 
     @cached_property
     def max_principal(self) -> Real:

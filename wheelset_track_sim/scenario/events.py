@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from ..errors import InputError
 from ..inputs.amounts import amount
 from ..inputs.dotted import entry, put
-from ..inputs.schema import check, confirmed_numbers, parsed, plain, quantity, read
+from ..inputs.schema import check, confirmed_numbers, parsed, plain, quantity, read, unknown
 from ..irregularities import Irregularity, plain_irregularities, read_irregularities
 from ..irregularities.kinds import read_irregularity
 from ..irregularities.listing import list_of, locate_files
@@ -24,6 +24,7 @@ from .loads import TORQUES
 from .quantities import kinds, quantity_within
 
 if TYPE_CHECKING:
+    from ..sensors.kinds import Sensor
     from .scenario import Scenario
 
 MOST = 500
@@ -40,6 +41,8 @@ OF_SURFACES = ("irregularities", "replace", "remove", "add", "set", "grow")
 OF_NODE = ("record", "snapshot")
 """Keys that concern the recording of a node, not the simulation."""
 LIST = "irregularities"
+NOISES = ("noise", "drift")
+"""Keys of a sensor that can change."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,22 @@ def _read_set(data: Any, where: str) -> tuple[tuple[str, Any], ...]:
     return tuple((key, _si(key, value, f"{where}.{key}")) for key, value in data.items())
 
 
+def _read_noises(data: Any, where: str) -> tuple[tuple[str, tuple[tuple[str, Any], ...]], ...]:
+    if not isinstance(data, dict) or not all(isinstance(each, dict) and each for each in data.values()):
+        raise InputError(
+            f"{where} is not a mapping of topics: give {{axle_box_acceleration: {{noise: 1 m/s^2}}}} or such"
+        )
+    for topic, values in data.items():
+        for key in values:
+            if key not in NOISES:
+                raise InputError(unknown(f"key of {where}.{topic} that can change", repr(key), str(key), NOISES))
+    return tuple((topic, tuple(values.items())) for topic, values in data.items())
+
+
+def _plain_noises(items: Iterable[tuple[str, tuple[tuple[str, Any], ...]]]) -> Any:
+    return {topic: dict(values) for topic, values in items}
+
+
 def _read_growth(data: Any, where: str) -> Growth | None:
     if isinstance(data, dict) and isinstance(data.get("to"), str) and isinstance(data.get("key"), str):
         data = {**data, "to": _si(data["key"], data["to"], f"{where}.to")}
@@ -162,6 +181,9 @@ class Event:
     """Appended to the list."""
     grow: Growth | None = parsed(_read_growth, _plain_growth, default=None)
     """Begins; its index is of the list after the event."""
+
+    sensors: tuple[tuple[str, tuple[tuple[str, Any], ...]], ...] = parsed(_read_noises, _plain_noises, default=())
+    """Noise and drift of sensors by topic, in files as a mapping of mappings."""
 
     record: Literal["start", "stop"] | None = None
     """Of a node."""
@@ -233,6 +255,8 @@ class Event:
             changed["speed_plan"] = ()
         if self.torque is not None:
             changed["loads"] = replace(scenario.loads, torque=self.torque, torque_plan=())
+        if self.sensors:
+            changed["sensors"] = _with_noises(scenario.sensors, self.sensors)
         if self.irregularities is not None:
             return {**changed, LIST: (*self.irregularities, *self.add)}
         listed = [*_with_values(scenario.irregularities, (*self.set, *values))]
@@ -337,6 +361,25 @@ def _with_values(listed: tuple[Irregularity, ...], values: Iterable[tuple[str, A
     with confirmed_numbers():
         found = {index: read_irregularity(item, f"{LIST}.{index}") for index, item in touched.items()}
     return tuple(found.get(index, item) for index, item in enumerate(listed))
+
+
+def _with_noises(
+    sensors: Sequence[Sensor], noises: Iterable[tuple[str, tuple[tuple[str, Any], ...]]]
+) -> tuple[Sensor, ...]:
+    """Sensors with other noise and drift, by topic."""
+    found = {sensor.topic: sensor for sensor in sensors}
+    for topic, values in noises:
+        if topic not in found:
+            raise InputError(unknown("topic of a sensor of the scenario", f"sensors.{topic}", topic, [*found]))
+        where, unit = f"sensors.{topic}", found[topic].unit
+        numbers = {
+            key: amount(value, unit, f"{where}.{key}") if isinstance(value, str) else value for key, value in values
+        }
+        try:
+            found[topic] = replace(found[topic], **numbers)  # type: ignore[arg-type]  # whatever the kind, its numbers
+        except InputError as refusal:
+            raise InputError(f"{where}: {refusal}") from None
+    return tuple(found.values())
 
 
 def _number(key: str, listed: Sequence[Irregularity]) -> float:

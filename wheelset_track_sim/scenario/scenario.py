@@ -251,6 +251,8 @@ class Scenario:
                 "start a new run, or leave body_mass out"
             )
         self.loads.check_change(new.loads)
+        if [each.silent for each in new.sensors] != [each.silent for each in self.sensors]:
+            raise InputError("of sensors, only noise and drift can change during a run: start a new one for others")
         if new.speed != self.speed and self.dynamics == "paper":
             raise InputError(f"speed cannot change in {self.dynamics} dynamics: start a new run, or use causal")
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 from ..errors import InputError
 from ..inputs.schema import check, quantity
@@ -40,6 +40,12 @@ class Acquisition:
         """Whether a sample is the true value of its step."""
         own: Any = self
         return self.rate is None and own.range is None
+
+    @property
+    def silent(self) -> Self:
+        """The same without noise and drift, which can change during a run."""
+        without: dict[str, Any] = {"noise": 0.0, "drift": 0.0}
+        return replace(self, **without)
 
 
 def check_name(name: str) -> None:

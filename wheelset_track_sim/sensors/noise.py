@@ -62,16 +62,20 @@ class Walk:
 class Noise:
     """White noise and drift of a sensor."""
 
-    def __init__(self, key: str, channels: int, noise: float, drift: float, rate: float) -> None:
-        """Standard deviations of ``noise`` in a sample and of ``drift`` after a second, at ``rate`` Hz."""
+    def __init__(self, key: str, channels: int, rate: float) -> None:
+        """For samples at ``rate`` Hz; ``key`` tells streams apart."""
         self._white, self._walk = Numbers(f"white {key}", channels), Walk(f"drift {key}", channels)
-        self._noise, self._drift = noise, drift / math.sqrt(rate)
+        self._root = math.sqrt(rate)
 
-    def added(self, first: int, signals: Real) -> Real:
-        """Signals (samples, channels), from the sample ``first`` on, with noise."""
+    def added(self, first: int, signals: Real, noise: Real, drift: Real) -> Real:
+        """Signals (samples, channels), from the sample ``first`` on, with noise.
+
+        ``noise`` (samples,) is the standard deviation of the white noise of each sample. ``drift`` (samples,) is that
+        of the drift after a second: a random walk since sample 0, by its present size.
+        """
         end = first + len(signals)
-        if self._noise:
-            signals = signals + self._noise * self._white.between(first, end)
-        if self._drift:
-            signals = signals + self._drift * self._walk.between(first, end)
+        for size, numbers in ((noise, self._white), (drift / self._root, self._walk)):
+            if size.any():
+                each = size[:, np.newaxis]
+                signals = np.where(each > 0.0, signals + each * numbers.between(first, end), signals)
         return signals

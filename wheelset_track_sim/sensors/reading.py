@@ -6,7 +6,7 @@ delay, and is known ``REACH`` samples later. Steps count with their length in ti
 sensor's rate does not. At the start and at the end of a run the mean is over the steps that there are.
 
 Noise. White noise and drift, a random walk, belong to the number of a sample (``noise``). They are added after the
-filter; then the range clips.
+filter, as large as they are at the step before the sample; then the range clips.
 
 Every sample follows from the run alone: it has the same bits however the run is cut into blocks.
 """
@@ -69,6 +69,8 @@ class _Steps(NamedTuple):
     period: Real
     speed: Real
     revision: np.ndarray
+    noise: Real
+    drift: Real
     signals: Real
 
     def followed_by(self, others: _Steps) -> _Steps:
@@ -109,12 +111,12 @@ class SensorReader:
         self._clock, self._steps, self._next = StepClock(), None, 0
         if self._rate is not None:
             key = f"{sensor.seed} {sensor.topic}"
-            self._noise = Noise(key, len(sensor.channels), sensor.noise, sensor.drift, self._rate)
+            self._noise = Noise(key, len(sensor.channels), self._rate)
 
     _steps: _Steps | None
 
-    def push(self, block: SampleBlock) -> list[SensorChunk]:
-        """Samples that are complete with a block, which follows the last one."""
+    def push(self, block: SampleBlock, sensor: Sensor) -> list[SensorChunk]:
+        """Samples that are complete with a block, which follows the last one; ``sensor`` has its noise and drift."""
         signals = block.sensors[self.sensor.topic]
         number = np.arange(block.first_step, block.first_step + len(block))
         if self._rate is None:
@@ -127,6 +129,8 @@ class SensorReader:
             block.step_period * ones,
             block.speed * ones,
             np.full(len(block), block.revision),
+            sensor.noise * ones,
+            sensor.drift * ones,
             np.ascontiguousarray(signals),
         )
         if self._steps is None:
@@ -167,7 +171,7 @@ class SensorReader:
             speed,
             number * (period * speed) + since * speed,
             int(steps.revision[step]),
-            self._noise.added(first, read),
+            self._noise.added(first, read, steps.noise[before], steps.drift[before]),
             turned,
         )
         self._next = end
@@ -216,9 +220,10 @@ class SensorReaders:
         readers = (reader for reader in self._readers if reader.topic == reader.sensor.topic)
         return tuple(f"{reader.topic}/{name}" for reader in readers for name in reader.sensor.channels)
 
-    def push(self, block: SampleBlock) -> list[SensorChunk]:
-        """Samples that are complete with a block, which follows the last one."""
-        return [chunk for reader in self._readers for chunk in reader.push(block)]
+    def push(self, block: SampleBlock, sensors: Iterable[Sensor]) -> list[SensorChunk]:
+        """Samples that are complete with a block, which follows the last one; ``sensors`` are those in force in it."""
+        now = {sensor.topic: sensor for sensor in sensors}
+        return [chunk for reader in self._readers for chunk in reader.push(block, now[reader.sensor.topic])]
 
     def finish(self) -> list[SensorChunk]:
         """The samples up to the last step; the readers are used up."""

@@ -92,6 +92,12 @@ class Passages:
         Raises InputError for what a scenario refuses, and for defects that are in the contact patch where the passage
         begins; ContactError if a contact problem has no solution.
         """
+        return self.follow(defects, speed=speed, axle_load=axle_load)[1]
+
+    def follow(
+        self, defects: Sequence[Irregularity], *, speed: float | None = None, axle_load: float | None = None
+    ) -> tuple[Simulator, SampleBlock]:
+        """Return the samples of ``run`` with the simulator before them, which has the contact of each sample."""
         own = self.scenario
         speed, axle_load = own.speed if speed is None else speed, own.axle_load if axle_load is None else axle_load
         run = self._run(speed, axle_load).branch()
@@ -104,7 +110,7 @@ class Passages:
         block = run.advance(self.steps)
         if len(block) < self.steps:
             run.advance(1)  # from a step without solution, which raises
-        return block
+        return run, block
 
     def _run(self, speed: float, axle_load: float) -> Simulator:
         """The run at the beginning of a passage; kept."""

@@ -307,7 +307,9 @@ class Simulator:
         """Accept a change of the condition ``newest``; raises OvertakenError if another one came first."""
         current = newest.scenario
         for field in dataclasses.fields(Scenario):
-            if field.name not in CHANGEABLE and getattr(scenario, field.name) != getattr(current, field.name):
+            if field.name not in (*CHANGEABLE, "sensors") and getattr(scenario, field.name) != getattr(
+                current, field.name
+            ):
                 raise InputError(f"{field.name} cannot change during a run: start a new one with the new value")
         current.check_change(scenario)
         self._superposed(scenario)  # refuses what cannot be, and is quick afterwards
@@ -333,6 +335,12 @@ class Simulator:
             scenario, law, preload, fade, base=newest, event=event, due=due, not_before=not_before, exactly=exactly
         )
 
+    def require(self, steps: int) -> None:
+        """Raise InputError if the dynamics cannot run for ``steps`` more steps."""
+        longest = self._models.dynamics.longest_run - SETTLING
+        if self.time + steps * self.step_period > longest:
+            raise InputError(f"{self.in_force.dynamics} dynamics runs for {longest:g} s at most: use causal for longer")
+
     def advance(self, steps: int) -> SampleBlock:
         """Simulate the next ``steps`` samples, or fewer if a change takes effect or the speed changes after them.
 
@@ -341,9 +349,7 @@ class Simulator:
         """
         if steps < 1:
             raise ValueError(f"steps = {steps}: give at least 1")
-        longest = self._models.dynamics.longest_run - SETTLING
-        if self.time + steps * self.step_period > longest:
-            raise InputError(f"{self.in_force.dynamics} dynamics runs for {longest:g} s at most: use causal for longer")
+        self.require(steps)
         if self._coupled is None:
             self.settle()
         coupled = cast("Coupled", self._coupled)

@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from ..errors import InputError
 from ..inputs import units
 from ..inputs.schema import keyed, unknown
-from ..report.figures import COLOURS, new_figure
+from ..report.figures import COLOURS, LIMIT_COLOURS, new_figure
 from . import drawing
 from .axes import Axis, Point
-from .outputs import extreme_of, place_of, quantity_of, unit_of
+from .outputs import FORCES, extreme_of, place_of, quantity_of, unit_of
 
 if TYPE_CHECKING:
     from .results import Results
@@ -118,11 +118,24 @@ class Lines:
                 kind = DASHES[order % len(DASHES)] if along.is_numeric else "none"
                 y = np.array([results.value(index, name) for index in indices]) / shown.size
                 axes.plot(at, y, linestyle=kind, markersize=4 if len(x) <= MOST_MARKERS else 0, **look)
+                low, high = np.array([results.ends(index, name) for index in indices]).T / shown.size
+                if np.isfinite(low).any() and along.is_numeric:
+                    axes.fill_between(at, low, high, color=look["color"], alpha=0.2, linewidth=0)
+                elif np.isfinite(low).any():
+                    axes.vlines(at, low, high, color=look["color"], alpha=0.5)
                 paper = np.array([results.published(index, name) for index in indices]) / shown.size
                 compared = compared or bool(np.isfinite(paper).any())
                 axes.plot(at, paper, **PAPER, **look)
-        low, high = axes.get_ylim()
+        low, high = (float(end) for end in axes.get_ylim())
         axes.set_ylim(low if low > 0.5 * high else min(0.0, 0.0 if low > -0.1 * high else low), high)
+        limits = results.limits.force if results.limits else ()
+        for limit in limits if {*panel.y} <= {*FORCES} else ():
+            line = limit.above / shown.size
+            if line <= high:
+                colour = LIMIT_COLOURS[limit.level]
+                axes.axhline(line, linewidth=1.0, zorder=0, color=colour)
+                small: Any = {"ha": "right", "va": "bottom", "fontsize": 8, "xycoords": ("axes fraction", "data")}
+                axes.annotate(f"{limit.level} {line:.4g} {shown.name}", (1.0, line), color=colour, **small)
         axes.set_ylabel(units.with_unit(_common(panel.y), shown.name))
         axes.set_xlabel(self.x_label or units.with_unit(along.meaning, units.for_people(along.unit).name))
         if not along.is_numeric:

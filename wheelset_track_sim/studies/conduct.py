@@ -62,7 +62,8 @@ def run_study(
     changes
         ``key=value`` changes of the base scenario, as with ``--set``.
     resources
-        Number of worker processes, or a Dask scheduler; one process a core if None.
+        Number of worker processes, or a Dask scheduler; one process a core if None. Workers import the script that
+        called this: guard its body with ``if __name__ == "__main__":``.
     progress
         Called with stage and fraction.
 

@@ -10,9 +10,11 @@ from functools import cached_property
 
 from ..report.published import published_case
 from ..scenario import Scenario
+from ..verdict.limit_set import Level, LimitSet, load_limits
+from ..verdict.verdicts import verdicts, worst
 from .axes import Axis, Point
 from .evaluate import Result
-from .outputs import value_of
+from .outputs import FORCES, LARGEST, SMALLEST, STARRED, value_of
 from .study import Study, StudyRun
 
 SLEEPER_SPACING = 0.6
@@ -62,12 +64,38 @@ class Results:
             {f"{3.6 * each.speed:.4g} km/h" for each in scenarios},
         )
         facts = ", ".join(fact for same in said if len(same) == 1 for fact in same)
-        return f"{facts}; {window.before:g} m before to {window.after:g} m after angle 0 of the treads"
+        if self.study.places > 1:
+            facts += f"; {self.study.places} places of the bay: medians, and bands from smallest to largest"
+        facts += f"; {window.before:g} m before to {window.after:g} m after angle 0 of the treads"
+        return ". ".join(filter(None, (facts, self.note)))
+
+    @property
+    def note(self) -> str:
+        """Material constants on which starred outputs depend, with their source; empty if there are none."""
+        curve = self.study.sn_curve
+        return f"* by the {curve.note}" if curve and any(STARRED in name for name in self.study.outputs) else ""
 
     def value(self, index: int, output: str) -> float:
         """Output of a run, SI; NaN if the run failed."""
         found = self.found.get(index)
         return found.values[output] if found else math.nan
+
+    @cached_property
+    def limits(self) -> LimitSet | None:
+        """What the runs are compared with; None if no largest force is kept, or there are no limits."""
+        return load_limits(self.study.limits) if set(FORCES) & {*self.study.outputs} else None
+
+    def verdict(self, index: int) -> Level:
+        """Worst level of the forces, over all places, and of the damage; raises KeyError if the run failed."""
+        assert self.limits is not None
+        kept = self.found[index].values
+        forces = [kept.get(name + LARGEST, kept.get(name, math.nan)) for name in FORCES]
+        return worst(verdicts(self.limits, forces, self.runs[index].scenario.irregularities))
+
+    def ends(self, index: int, output: str) -> tuple[float, float]:
+        """Smallest and largest over the places of the bay, SI; NaN if the run failed, or has one place."""
+        values = self.found[index].values if index in self.found else {}
+        return values.get(output + SMALLEST, math.nan), values.get(output + LARGEST, math.nan)
 
     def published(self, index: int, output: str) -> float:
         """What the paper prints for the case of a run, SI; NaN where it prints nothing."""

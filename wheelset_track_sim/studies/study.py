@@ -6,21 +6,26 @@ import copy
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 from ..errors import InputError
+from ..fatigue.curve import Curve, load_curve
 from ..inputs import shipped
 from ..inputs.schema import check, confirmed_numbers, keyed, quantity, read, unknown
 from ..runtime.progress import Progress
 from ..scenario import Scenario, assign, change_of, find_beside, load_scenario, scenario_from, suspect, take_in
-from . import moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
+from ..simulation.places import MOST
+from ..verdict.limit_set import DEFAULT_LIMITS, load_limits
+from ..wayside.history import window
+from . import blind_zone, moving_green_functions, track_receptances, wheelset_modes, wheelset_receptances
 from .axes import Axis, Point, combinations, read_axis
 from .charts import Lines
 from .evaluate import PRESSURES, Job
 from .histories import Histories
 from .maps import Map
-from .outputs import check_output
+from .outputs import check_output, nodes_of_fatigue
 from .pressure_maps import PressureMaps
 from .sampling import Sampling
 from .sensitivities import Sensitivities
@@ -30,9 +35,10 @@ FIGURES: dict[str, Callable[[Path, Scenario, Progress | None], list[Path]]] = {
     "wheelset_modes": wheelset_modes.draw,
     "track_receptances": track_receptances.draw,
     "moving_green_functions": moving_green_functions.draw,
+    "blind_zone": blind_zone.draw,
 }
-"""Figures that are drawn from the models, without runs. A function writes them, and their tables, into a folder and
-returns what it wrote."""
+"""Figures that are drawn from the models, without runs of the study. A function writes them, and their tables, into a
+folder and returns what it wrote."""
 
 
 @dataclass(frozen=True)
@@ -97,18 +103,25 @@ class Study:
     sampling: Sampling | None = None
     """How values are drawn along axes that are distributions; ``Sampling()`` if None."""
     window: EvaluationWindow = field(default_factory=EvaluationWindow)
+    places: int = quantity("", 1, MOST, "the number of places of the bay at which each run is repeated", default=1)
+    """Outputs are medians over them then, with the smallest and the largest beside."""
     outputs: tuple[str, ...] = ()
     """Numbers that are kept: see ``outputs``."""
     histories: tuple[Literal["forces", "principal", "displacements", "irregularity"], ...] = ()
     """What is kept of every step."""
+    curve: str | Path = ""
+    """Name or file of the S-N curve of outputs of fatigue."""
     pressures: tuple[str, ...] = ()
     """Contact pressures that are kept: ``wheel_1.reference``, ``wheel_1.max_force``, and of wheel 2."""
+    limits: str = DEFAULT_LIMITS
+    """Limits for the verdict on each run: name of a shipped set, path of a file, or ``none``."""
     drawings: tuple[Lines | Histories | PressureMaps | Map | Sensitivities, ...] = ()
     """Figures of the runs' results."""
     figures: tuple[str, ...] = ()
     """Figures that are drawn from the models, without runs: see ``FIGURES``."""
 
     def __post_init__(self) -> None:
+        check(self)
         for name in ("set", "vary"):
             keyed(getattr(self, name), name)
         if not isinstance(self.scenario, (str, Path, Mapping)):
@@ -119,9 +132,18 @@ class Study:
         for index, name in enumerate(self.pressures):
             if name not in PRESSURES:
                 raise InputError(unknown("contact pressure", f"pressures.{index} = {name!r}", name, PRESSURES))
+        load_limits(self.limits)
         if not (self.has_runs or self.figures):
             raise InputError("outputs is missing: name the results to keep, such as wheels.wheel_1.max_force")
-        axes = self.axes  # read now, so that a study that exists can be used
+        if nodes_of_fatigue(self.outputs) and not self.curve:
+            raise InputError("curve is missing: name the S-N curve of the outputs of fatigue, such as assumed_body")
+        of_one = [*nodes_of_fatigue(self.outputs), *(name for name in self.outputs if name.startswith("wayside."))]
+        if of_one and self.places > 1:
+            raise InputError(
+                f"places = {self.places} is for forces and stresses, and outputs of fatigue and of detectors are of "
+                "one run: give 1"
+            )
+        axes, _ = self.axes, self.sn_curve  # read now, so that a study that exists can be used
         keys = sorted(key for axis in axes for key in axis.keys)
         for key, following in itertools.pairwise(keys):
             if key == following:
@@ -145,6 +167,11 @@ class Study:
             return axes
         shares = iter((self.sampling or Sampling()).draws(drawn).T)
         return tuple(axis.drawn(next(shares)) if axis.distribution else axis for axis in axes)
+
+    @cached_property
+    def sn_curve(self) -> Curve | None:
+        """S-N curve of outputs of fatigue; raises InputError for one that cannot be used."""
+        return load_curve(self.curve) if nodes_of_fatigue(self.outputs) else None
 
     def base(self, changes: Sequence[str] = ()) -> dict[str, Any]:
         """Base scenario as a plain mapping, with the study's changes and then ``key=value`` ones; raises InputError."""
@@ -184,16 +211,29 @@ class Study:
             take_in(data)
             with confirmed_numbers():
                 scenario = scenario_from(data)
-            self._check(scenario)
+            kept = (self.outputs, self.histories, self.pressures, self.sn_curve, self.places)
+            job = Job(scenario, self.window.before, self.window.after, *kept)
+            self._check(job)
         except InputError as refusal:
             raise InputError(f"{refusal} (run {place or data['name']})") from None
-        kept = (self.outputs, self.histories, self.pressures)
-        return StudyRun(points, Job(scenario, self.window.before, self.window.after, *kept))
+        return StudyRun(points, job)
 
-    def _check(self, scenario: Scenario) -> None:
+    def _check(self, job: Job) -> None:
         """Raise InputError for what the study asks of a run that it does not have."""
+        scenario = job.scenario
+        detectors = {
+            each.topic.partition("/")[2]: window(each.detector, scenario.track, each.position, scenario.step_length)[1]
+            for each in scenario.wayside
+        }
         for index, name in enumerate(self.outputs):
-            check_output(name, scenario.output.stress_nodes, f"outputs.{index}")
+            check_output(name, scenario.output.stress_nodes, f"outputs.{index}", [*detectors])
+            kind, of, _ = name.split(".")
+            if kind == "wayside" and (last := detectors[of]) >= (end := job.first_step + job.samples):
+                dx = scenario.step_length
+                raise InputError(
+                    f"window.after = {self.window.after:g} m ends before the wheelset has passed detector {of}: give "
+                    f"{self.window.after + (last + 1 - end) * dx:g} m or more"
+                )
         if self.window.before > scenario.reference_position + 1e-9:
             raise InputError(
                 f"window.before = {self.window.before:g} m begins before the run: give up to the reference position of "
@@ -232,7 +272,8 @@ def load_study(name_or_path: str | Path) -> Study:
     try:
         data = shipped.load_yaml("studies", name_or_path)
         if isinstance(data, dict) and Path(name_or_path).is_file():
-            find_beside(data, "scenario", Path(name_or_path).parent)
+            for key in ("scenario", "curve"):
+                find_beside(data, key, Path(name_or_path).parent)
         return read(Study, data, "")
     except InputError as refusal:
         if str(name_or_path) in str(refusal):

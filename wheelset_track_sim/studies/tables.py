@@ -13,6 +13,7 @@ import numpy as np
 
 from ..inputs import units
 from ..scenario import WHEELS
+from ..verdict.limit_set import LimitSet
 from . import drawing
 from .histories import DISTANCE
 from .maps import limits_of
@@ -58,10 +59,16 @@ def _tables(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
     columns["dynamics"] = [run.scenario.dynamics for run in results.runs]
     for name in results.study.outputs:
         columns[units.with_unit(label_of(name), unit_of(name))] = [results.value(index, name) for index in indices]
+    for name in results.study.outputs if results.study.places > 1 else ():
+        ends = [results.ends(index, name) for index in indices]
+        for column, word in enumerate(("smallest", "largest")):
+            columns[units.with_unit(f"{label_of(name)}, {word}", unit_of(name))] = [pair[column] for pair in ends]
     for name in results.study.outputs:
         paper = [results.published(index, name) for index in indices]
         if np.isfinite(paper).any():
             columns[f"paper: {units.with_unit(label_of(name), unit_of(name))}"] = paper
+    if results.limits is not None:
+        columns[_verdict(results.limits)] = [_level(results, index) for index in indices]
     if results.study.outputs:
         yield "results", columns
     for index in sorted(results.found):
@@ -100,13 +107,32 @@ def _runs(results: Results) -> ResultTable:
     shown = [units.for_people(unit_of(name)) for name in names]
     headings = [units.with_unit(label_of(name), unit.name) for name, unit in zip(names, shown, strict=True)]
     values = [
-        [number(results.value(index, name) / unit.size) for name, unit in zip(names, shown, strict=True)]
+        [_with_ends(results, index, name, unit.size) for name, unit in zip(names, shown, strict=True)]
         for index in range(len(results.runs))
     ]
+    if results.limits is not None:
+        headings.append(_verdict(results.limits))
+        values = [[*row, _level(results, index)] for index, row in enumerate(values)]
     if len(results.runs) == 1:
         return ResultTable("The run", ("quantity", "value"), tuple(zip(headings, values[0], strict=True)))
     rows = [(*(point.label for point in run.points), *row) for run, row in zip(results.runs, values, strict=True)]
     return ResultTable("All runs", (*(axis.meaning for axis in results.axes), *headings), tuple(rows))
+
+
+def _verdict(limits: LimitSet) -> str:
+    return f"verdict, {limits.name}"
+
+
+def _level(results: Results, index: int) -> str:
+    """Verdict on a run in a word."""
+    return results.verdict(index).word if index in results.found else "–"
+
+
+def _with_ends(results: Results, index: int, name: str, size: float) -> str:
+    """A value, with the smallest and the largest over places of the bay behind it."""
+    low, high = (end / size for end in results.ends(index, name))
+    ends = "" if math.isnan(low) else f" ({number(low)} to {number(high)})"
+    return number(results.value(index, name) / size) + ends
 
 
 def _extremes(results: Results) -> ResultTable:
@@ -128,6 +154,11 @@ def _extremes(results: Results) -> ResultTable:
             values = [number(results.value(end, name) / shown.size) for end in ends]
             texts = [f"{value} {shown.name} at {place}" for value, place in zip(values, places, strict=True)]
             rows.append((*rest, label_of(name), *texts))
+        if results.limits is not None:
+            judged = [index for index in indices if index in results.found]
+            ends = [pick(judged, key=results.verdict) for pick in (max, min)] if judged else []
+            texts = [f"{_level(results, end)} at {results.point(end, longest.name).label}" for end in ends]
+            rows += [(*rest, _verdict(results.limits), *texts)] if texts else []
     others = [axis.meaning for axis in results.axes if axis is not longest]
     headings = (*others, "quantity", "largest", "smallest")
     return ResultTable(f"Extremes over the {longest.meaning}", headings, tuple(rows))

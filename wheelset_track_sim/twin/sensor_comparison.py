@@ -67,6 +67,7 @@ class SensorComparison:
 
     def __init__(self, simulator: Simulator, recorded: Iterable[SensorPart]) -> None:
         """``recorded`` are the messages of a bag in their order; they are read as the simulation comes to them."""
+        self._simulator = simulator
         wheel = simulator.steps_per_revolution, simulator.models.tread_origin
         self._readers = SensorReaders(simulator.scenario.sensors, *wheel)
         scenario = simulator.scenario
@@ -82,9 +83,10 @@ class SensorComparison:
         return {topic: each.found for topic, each in self._waiting.items() if topic in self._topics}
 
     def push(self, block: SampleBlock) -> None:
-        """The next simulated block."""
+        """The block that was simulated last."""
+        sensed = self._readers.push(block, self._simulator.in_force.sensors)
         passed = [part for passage in self._wayside.push(block) for part in parts_of(passage)]
-        self._take([*self._readers.push(block), *passed], block.time + len(block) * block.step_period)
+        self._take([*sensed, *passed], block.time + len(block) * block.step_period)
 
     def finish(self) -> None:
         """Compare the last samples."""

@@ -200,8 +200,8 @@ class _Grid(NamedTuple):
 
     @property
     def frequencies(self) -> Complex:
-        """(f,) Hz, with eta in the imaginary part; those beyond the band have no entry."""
-        count = math.floor(self.band * self.samples / self.rate) + 1
+        """(f,) Hz below the band, with eta in the imaginary part."""
+        count = math.ceil(self.band * self.samples / self.rate)
         real = np.arange(count) * (self.rate / self.samples)
         return np.asarray(real - 1j * (self.decay / (2.0 * np.pi)), dtype=np.complex128)
 
@@ -364,7 +364,7 @@ def _passed(run: _Run, track: Track, cuts: list[_Place], grid: _Grid) -> tuple[C
     return total[:, : run.bays], total[:, run.bays :]
 
 
-@lru_cache(maxsize=12)
+@lru_cache(maxsize=16)
 def _table(track: Track, steps: int, step_length: float, speed: float, grid: _Grid, low: int) -> Complex:
     """Rows psi exp(-i omega t), (steps, 4, frequencies), of a bay from t = 0 on, for ``PART`` from ``low`` on."""
     frequencies = grid.frequencies[low : low + PART]

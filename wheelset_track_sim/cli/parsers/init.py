@@ -16,7 +16,7 @@ def add(commands: Commands) -> None:
     init = command(
         commands,
         "init",
-        "copy a shipped scenario, wheelset, track, vehicle, study, data set, detector or S-N curve to a file to edit",
+        "copy a shipped scenario, model, study, data set, detector, curve, mission or set of limits to edit it",
         uses=["scenario flat_fresh", "scenario damage_wheel_1 mine.yaml", "wheelset x40 my_wheelset.yaml"],
     )
     takes_kind(init)

@@ -13,7 +13,7 @@ def add(commands: Commands) -> None:
     listing = command(
         commands,
         "list",
-        "list the shipped scenarios, wheelsets, tracks, vehicles, studies, data sets, detectors and S-N curves",
+        "list the shipped scenarios, models, studies, data sets, detectors, S-N curves, missions and limits",
         uses=["", "scenarios", "track --json"],
     )
     takes_kind(listing, nargs="?", default=None)

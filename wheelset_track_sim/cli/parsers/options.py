@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...inputs import shipped
+from ...verdict.limit_set import DEFAULT_LIMITS
 from .parser import Amount, Parser, completed
 
 if TYPE_CHECKING:
@@ -28,6 +29,17 @@ def takes_threshold(command: Parser, event: str = "an impact begins") -> None:
     """Add ``--threshold``."""
     what = f"contact force above which {event} (default: '200 kN')"
     command.add_argument("--threshold", action=Amount, unit="N", metavar="FORCE", help=what)
+
+
+def takes_limits(command: Parser) -> None:
+    """Add ``--limits``."""
+    limits = command.add_argument(
+        "--limits",
+        default=DEFAULT_LIMITS,
+        metavar="LIMITS",
+        help=f"limits for the verdict: a file, a name that list limits prints, or none (default: {DEFAULT_LIMITS})",
+    )
+    completed(limits, lambda prefix, **_: [*shipped.names("limits"), *map(str, Path().glob(f"{prefix}*"))])
 
 
 def takes_json(command: Parser, instead_of: str = "a table") -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ...inputs import shipped
 from .measured import matching_of, reading_of, takes_measured, takes_place
-from .options import may_overwrite, takes_bag, takes_threshold
-from .parser import Commands, command
+from .options import may_overwrite, takes_bag, takes_limits, takes_threshold
+from .parser import Commands, command, completed
 
 
 def add(commands: Commands) -> None:
@@ -16,7 +17,11 @@ def add(commands: Commands) -> None:
         commands,
         "report",
         "write a page and a picture of a bag, and print a table",
-        uses=["run.mcap", "run.mcap --measured wayside.csv --out page.html"],
+        uses=[
+            "run.mcap",
+            "run.mcap --measured wayside.csv --out page.html",
+            "run.mcap --fatigue assumed_body",
+        ],
     )
     takes_bag(report)
     report.add_argument(
@@ -34,6 +39,11 @@ def add(commands: Commands) -> None:
     )
     takes_place(report)
     takes_measured(report)
+    takes_limits(report)
+    curve = report.add_argument(
+        "--fatigue", metavar="CURVE", help="count fatigue by this S-N curve: a file, or a name that list woehler prints"
+    )
+    completed(curve, lambda **_: shipped.names("woehler"))
     may_overwrite(report)
     report.set_defaults(command=_report)
 
@@ -52,4 +62,6 @@ def _report(options: argparse.Namespace) -> int:
         reading_of(options),
         picture=options.picture,
         overwrite=options.overwrite,
+        limits=options.limits,
+        curve=options.fatigue,
     )

@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import InputError
-from .options import takes_changes, takes_json, takes_shipped, takes_threshold
-from .parser import Amount, Commands, command
+from ...inputs import shipped
+from .options import takes_changes, takes_json, takes_limits, takes_shipped, takes_threshold
+from .parser import Amount, Commands, command, completed
 
 if TYPE_CHECKING:
     from ...bags.settings import RecordSettings
+    from ...live.fatigue_watch import FatigueSettings
     from ...samples.impacts import ImpactSettings
 
 
@@ -26,6 +28,7 @@ def add(commands: Commands) -> None:
             "flat_fresh --set 'speed=120 km/h' --set 'irregularities.0.length=40 mm'",
             "mine.yaml --duration '2 min' --out run.mcap --threshold '250 kN'",
             "mine.yaml --out run.csv",
+            "flat_fresh --places 12",
         ],
     )
     takes_shipped(run, "scenario")
@@ -65,6 +68,18 @@ def add(commands: Commands) -> None:
         help="record only impacts, each from this time before it on",
     )
     takes_threshold(run, "the bag records an impact")
+    curve = run.add_argument(
+        "--fatigue", metavar="CURVE", help="record the fatigue of the axle by this S-N curve, once a second"
+    )
+    completed(curve, lambda **_: shipped.names("woehler"))
+    takes_limits(run)
+    run.add_argument(
+        "--places",
+        type=int,
+        default=1,
+        metavar="N",
+        help="also simulate N places of the bay at which the damage meets the rail, and print the extremes over them",
+    )
     takes_json(run)
     run.set_defaults(command=_run)
 
@@ -82,8 +97,23 @@ def _run(options: argparse.Namespace) -> int:
         json=options.json,
         settings=settings,
         impacts=impacts,
+        limits=options.limits,
+        places=options.places,
+        fatigue=_fatigue(options),
         warnings=options.warnings,
     )
+
+
+def _fatigue(options: argparse.Namespace) -> FatigueSettings | None:
+    """How fatigue is counted; InputError without a bag."""
+    from ...fatigue.curve import load_curve
+    from ...live.fatigue_watch import FatigueSettings
+
+    if options.fatigue is None:
+        return None
+    if options.out is None:
+        raise InputError("--fatigue applies to a recording: give --out as well, or use the command fatigue")
+    return FatigueSettings(load_curve(options.fatigue), "axle")
 
 
 def _recorded(options: argparse.Namespace) -> tuple[RecordSettings | None, ImpactSettings | None]:

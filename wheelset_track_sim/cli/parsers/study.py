@@ -26,6 +26,12 @@ def add(commands: Commands) -> None:
     )
     takes_changes(study, "change a key in all runs, such as 'speed=100 km/h'")
     study.add_argument("--dynamics", metavar="NAME", help="causal or paper, in all runs")
+    study.add_argument(
+        "--places",
+        type=int,
+        metavar="N",
+        help="repeat each run with the damage meeting the rail at N places of the bay (default: what the study says)",
+    )
     takes_resources(study)
     takes_forms(study)
     study.set_defaults(command=_study)
@@ -35,4 +41,4 @@ def _study(options: argparse.Namespace) -> int:
     from ..study import study
 
     changes = [*options.set, *([f"dynamics={options.dynamics}"] if options.dynamics else [])]
-    return study(options.study, changes, options.out, resources_of(options), options.forms)
+    return study(options.study, changes, options.out, resources_of(options), options.forms, places=options.places)

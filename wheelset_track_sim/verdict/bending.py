@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..runtime.arrays import Real
 from ..samples.block import SampleBlock
 from ..samples.rotating_bending import RotatingBending
 from ..scenario import Scenario
@@ -18,19 +19,23 @@ AXIAL = COMPONENTS.index("yy")
 class BendingAmplitudes:
     """Amplitudes of the bending stress that points of the turning axle go through, from blocks without their mean.
 
-    The given constant stresses of the scenario are the mean. Press fits need the models for that, so that amplitudes
-    are unknown with them.
+    Without models, the given constant stresses of the scenario are the mean. Press fits need the models for that, so
+    that amplitudes are unknown with them.
     """
 
-    def __init__(self, scenario: Scenario, turn: int, nodes: tuple[str, ...]) -> None:
-        """For wheels of ``turn`` steps."""
+    def __init__(self, means: Real, turn: int, *, known: bool = True) -> None:
+        """For wheels of ``turn`` steps and the constant axial stress at each node, (nodes,), Pa."""
+        self._means, self._known, self._turn = means, known, turn
+        self._largest = np.zeros(len(means))
+        self.leave()
+
+    @classmethod
+    def of(cls, scenario: Scenario, turn: int, nodes: tuple[str, ...]) -> BendingAmplitudes:
+        """Without models."""
         loads = scenario.loads
         given = [(nodes.index(item.node), item.yy) for item in loads.stresses if item.node in nodes]
-        self._means = np.bincount([node for node, _ in given], [mean for _, mean in given], len(nodes))
-        self._known = not (loads.press_fit.wheels or loads.press_fit.equipment)
-        self._turn = turn
-        self._largest = np.zeros(len(nodes))
-        self.leave()
+        means = np.bincount([node for node, _ in given], [mean for _, mean in given], len(nodes))
+        return cls(means.astype(np.float64), turn, known=not (loads.press_fit.wheels or loads.press_fit.equipment))
 
     def leave(self) -> None:
         """Begin a new stretch: steps are missing."""

@@ -1,0 +1,1 @@
+"""Verdicts: what a run reached, compared with limits that have a source."""
