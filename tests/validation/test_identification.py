@@ -1,4 +1,4 @@
-"""A damage is found again from a force with noise, gain and wrong speed; ``benchmarks.identification`` has many cases."""
+"""A damage is found again from a force with noise and errors; ``benchmarks.identification`` has many cases."""
 
 import dataclasses
 
