@@ -254,6 +254,35 @@ def test_another_wheelset_says_that_it_computes_and_shows_its_nodes(opened):
     assert page.locator("#nodes").text_content().split() == ["A1", "B1"]
 
 
+def test_the_verdict_fills_in_the_background(opened):
+    page = opened("?kind=worn_flat", **WIDE)
+    page.locator(f"html[data-scatter='{page.evaluate('answered')}:12']").wait_for(timeout=60_000)
+    assert re.match(r"Over 12 places on the bay: peak 1\d\d to \d+ kN", page.locator("#scatter").text_content())
+    page.locator("html[data-fatigue]").wait_for(timeout=120_000)
+    assert re.search(r"[5-8]\.\d+ times that without damage, at A1", page.locator("#fatigue").text_content())
+    assert page.locator("#verdicts li.alarm").text_content().startswith("wheel 1: length of tread damage 120 mm")
+    answered(page, lambda: page.locator("#limits").select_option("fra"))
+    assert page.locator("#verdicts li.alarm").count() == 0
+    assert "Federal" in page.locator("#sources").text_content()
+
+
+def test_a_map_leads_to_its_cells_and_a_measurement_lies_beside_the_answer(opened):
+    page = opened("?depth=0.5&map=place:depth:stress", **WIDE)
+    page.locator("#measured").set_input_files(ROOT / "config" / "measured" / "synthetic_wayside.csv")
+    page.locator("html[data-measured]").wait_for()
+    assert "gain 1.020, correlation 0.998" in page.locator("#measured-words").text_content()
+    force = page.evaluate(DATA, "force-measured")
+    assert max(force["value"]) == pytest.approx(230.4, abs=0.1)
+    page.locator("html[data-map$=':81']").wait_for(timeout=120_000)
+    assert [page.locator(f"#map-{side}").input_value() for side in "xy"] == ["place", "depth"]
+    page.locator("#map").scroll_into_view_if_needed()
+    box = page.evaluate("""() => { const { frame, el } = views.map, box = el.getBoundingClientRect()
+      return [box.left + frame.x_scale.compute(325), box.top + frame.y_scale.compute(5)] }""")
+    answered(page, lambda: page.mouse.click(*box))
+    assert (page.locator("#place").input_value(), page.locator("#depth").input_value()) == ("330", "5")
+    assert "map=place:depth:stress" in page.evaluate("location.search")
+
+
 def test_what_cannot_be_is_one_line_and_the_page_goes_on(opened):
     page = opened(**WIDE)
     page.locator("#speed").fill("999")

@@ -21,6 +21,8 @@ from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.websocket import websocket_connect
 
+from wheelset_track_sim.explore import background, server
+from wheelset_track_sim.explore.background import PLACES
 from wheelset_track_sim.explore.server import Site, serve
 from wheelset_track_sim.explore.view import View
 from wheelset_track_sim.scenario import load_scenario
@@ -36,16 +38,16 @@ def served(visit):
         site.explorer, site.sockets, site.folder = toy_explorer(), [], folder
         sockets = bind_sockets(0, "127.0.0.1")
         site.port = sockets[0].getsockname()[1]
-        server = HTTPServer(site.application())
-        server.add_sockets(sockets)
+        listening = HTTPServer(site.application())
+        listening.add_sockets(sockets)
         try:
             return await visit(site)
         finally:
             for socket in site.sockets:
                 socket.close()
             await closed(site)
-            server.stop()
-            await server.close_all_connections()
+            listening.stop()
+            await listening.close_all_connections()
             site.worker.close()
 
     with TemporaryDirectory() as folder:
@@ -170,6 +172,60 @@ def test_a_pinned_view_is_answered_beside_the_view():
         assert (await received(socket, "moment", 1))["number"] == 1
 
     served(visit)
+
+
+def test_the_background_works_for_the_latest_view_and_makes_room(monkeypatch):
+    monkeypatch.setattr(background, "DISTANCE", 30.0)
+    monkeypatch.setattr(server, "IDLE", 0.0)
+
+    async def visit(site):
+        socket = await opened(site)
+        for number in range(1, 6):
+            await socket.write_message(view(number, kind="flat", flat=str(20 + number)))
+            await received(socket, "answer", number)
+        done, words = 0, ""
+        while done < PLACES or not words:  # in any order
+            found = unpacked(await asyncio.wait_for(socket.read_message(), 30))
+            assert found["number"] == 5
+            if found["kind"] == "scatter":
+                done = found["done"]
+            elif found["kind"] == "fatigue":
+                words = found["words"]
+        assert "times that without damage" in words
+        assert not site.worker._waiting
+
+    served(visit)
+
+
+def test_measurements_and_maps_of_a_page():
+    async def visit(site):
+        socket = await opened(site)
+        await socket.write_message(view(1, kind="flat", flat="30"))
+        answer = (await received(socket, "answer"))["arrays"]
+        rows = [f"{at:.4f},{force:.3f}" for at, force in zip(answer["place"] + 3, answer["force0"], strict=True)]
+        text = "\n".join(["position [m],wheel_1 [kN]", *rows])
+        await socket.write_message(json.dumps({"number": 1, "name": "mine.csv", "measured": text}))
+        assert "gain 1.000" in (await received(socket, "measured"))["words"]
+        await socket.write_message(view(2, kind="flat", flat="20"))
+        assert (await received(socket, "measured", 2))["words"].startswith("mine.csv, beside the answer")
+        await socket.write_message(json.dumps({"number": 2, "name": "bad.csv", "measured": "hello\n"}))
+        assert (await received(socket, "refused"))["words"].startswith("bad.csv")
+        sides = {"number": 9, "view": {"kind": "flat"}}
+        await socket.write_message(json.dumps({**sides, "map": ["flat", "place", "force"]}))
+        assert (await received(socket, "map", 9))["of"] == 81
+        await socket.write_message(json.dumps({**sides, "number": 10, "map": ["flat", "depth", "force"]}))
+        assert "is not a known slider" in (await received(socket, "refused", 10))["words"]
+        await socket.write_message(json.dumps({**sides, "map": ["flat"]}))
+        assert await asyncio.wait_for(closing(socket), 30) == 1003
+
+    served(visit)
+
+
+async def closing(socket):
+    """Read on until the socket is closed; returns why."""
+    while await socket.read_message() is not None:
+        pass
+    return socket.close_code
 
 
 def test_files_are_those_of_the_view_and_what_cannot_be_is_one_line():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
 from collections import OrderedDict
@@ -132,6 +133,7 @@ class Explorer:
     def __init__(self, base: Base) -> None:
         self.base = base
         self._models: OrderedDict[Any, Models] = OrderedDict()
+        self._tabled: OrderedDict[Any, Models] = OrderedDict()
         self._passages: OrderedDict[Any, Passages] = OrderedDict()
 
     def answer(self, view: View, progress: Progress = unreported) -> Answer:
@@ -163,6 +165,15 @@ class Explorer:
             KEPT_MODELS,
             lambda: load_models(scenario, progress, tables="smooth"),
         )
+
+    def tabled(self, scenario: Scenario, progress: Progress = unreported) -> Models:
+        """The same with force tables, for long runs."""
+        key = scenario.wheelset.name, scenario.track.name
+
+        def made() -> Models:
+            return dataclasses.replace(self.models(scenario, progress), tables=True, _smooth=None, _preloads={})
+
+        return _kept(self._tabled, key, KEPT_MODELS, made)
 
     def _settled(self, scenario: Scenario, progress: Progress) -> Passages:
         """Passages on the surfaces of a scenario; speed and load are given to each of them."""

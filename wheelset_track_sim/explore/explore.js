@@ -69,7 +69,14 @@ function connect() {
   address.protocol = "ws:"
   socket = new WebSocket(address)
   socket.binaryType = "arraybuffer"
-  socket.onopen = () => { attempt = 0; ask(); listPins(); askPins() }
+  socket.onopen = () => {
+    attempt = 0
+    ask()
+    listPins()
+    askPins()
+    const names = map?.names ?? settings.map.split(":")
+    if (names.length === 3 && names[0] !== names[1]) fill(names)
+  }
   socket.onmessage = ({ data }) => receive(unpacked(data))
   socket.onclose = () => {
     clearTimeout(late)
@@ -91,11 +98,21 @@ function say(words, refused = false) {
 function receive(message) {
   const { kind, number } = message
   if (kind === "moment") return drawMoment(message)
+  if (kind === "scatter" || kind === "fatigue") {
+    if (number !== asked) return
+    by(kind).textContent = message.words
+    if (message.source) by("fatigue-source").textContent = message.source
+    document.documentElement.dataset[kind] = `${number}:${message.done ?? ""}`
+    return
+  }
+  if (kind === "map") return drawCell(message)
+  if (kind === "measured") return drawMeasured(message)
   if (kind === "pin") return drawPin(message)
   if (kind === "progress") { if (number === asked) { patienceWords = message.words; say(`computing: ${message.words}`) } return }
   if (kind === "refused") {
     if (number < asked) return
     clearTimeout(late)
+    for (const id of ["measured-words", "map-words"]) if (by(id).textContent === "computing") by(id).textContent = ""
     return say(message.words, true)
   }
   if (kind === "answer" && number > answered) drawAnswer(message)
@@ -112,6 +129,7 @@ function fit() { // shows the controls that apply
   for (const control of form.querySelectorAll("[data-kinds]")) control.hidden = !control.dataset.kinds.split(" ").includes(kind)
   form.querySelector("[data-control=level]").hidden = rough !== "1"
   form.querySelector("[data-control=on]").hidden = kind === "none"
+  offerSides()
 }
 function ask() {
   asked += 1
@@ -135,7 +153,7 @@ form.addEventListener("submit", (event) => event.preventDefault())
 
 // ---- pins and files ----
 let pins = settings.pins.map((query) => ({ query })) // with title and words when answered
-function link() { return `?${shownQuery}${pins.map(({ query }) => `&pin=${encodeURIComponent(query)}`).join("")}` }
+function link() { return `?${shownQuery}${map ? `&map=${map.names.join(":")}` : ""}${pins.map(({ query }) => `&pin=${encodeURIComponent(query)}`).join("")}` }
 function pinCurves(pin, place, force, stress) {
   for (const [kind, value] of [["force", force], ["stress", stress]]) model(`${kind}-pin${pin}`).data = { place, value }
 }
@@ -201,7 +219,7 @@ by("pin").addEventListener("click", () => {
   changed()
 })
 by("stress").addEventListener("input", askPins)
-for (const button of form.querySelectorAll("[data-suffix]")) {
+for (const button of document.querySelectorAll("[data-suffix]")) {
   button.addEventListener("click", async () => {
     const { suffix } = button.dataset
     say(`computing: ${button.textContent}`)
@@ -218,8 +236,102 @@ for (const button of form.querySelectorAll("[data-suffix]")) {
   })
 }
 
+// ---- maps ----
+let map = null // names of both sliders and the quantity, their values, cells
+const slidersShown = () => [...form.querySelectorAll("input[type=number]")].filter((input) => !input.closest(".control").hidden)
+function offerSides() {
+  const names = slidersShown().map((input) => input.name)
+  for (const [id, preferred] of [["map-x", "speed"], ["map-y", names[0]]]) {
+    const select = by(id), before = select.value
+    if ([...select.options].map((option) => option.value).join() === names.join()) continue
+    select.replaceChildren(...names.map((name) => new Option(form.querySelector(`label[for=${name}]`).textContent, name)))
+    select.value = names.includes(before) ? before : preferred
+  }
+}
+function fill(names) {
+  const [x, y] = names
+  const sides = [x, y].map((name) => by(name))
+  if (sides.some((side) => !side)) return
+  map = { names, serial: (map?.serial ?? 0) + 1, sides, cells: null, count: 0 }
+  by("map").hidden = false
+  for (const [id, name] of [["map-x", x], ["map-y", y], ["map-quantity", names[2]]]) by(id).value = name
+  send({ number: map.serial, map: names, view: controls() })
+  history.replaceState(null, "", link())
+  by("map-words").textContent = "computing"
+}
+by("map-fill").addEventListener("click", () => fill([by("map-x").value, by("map-y").value, by("map-quantity").value]))
+function drawCell({ number, cell: [row, column], value, done, of }) {
+  if (!map || number !== map.serial) return
+  const count = Math.round(Math.sqrt(of))
+  const [x, y] = map.sides.map((side) => {
+    const low = Number(side.min), high = Number(side.max), step = (high - low) / (count - 1)
+    return { low: low - step / 2, high: high + step / 2, step, name: form.querySelector(`label[for=${side.name}]`).textContent, unit: side.parentElement.querySelector(".unit").textContent }
+  })
+  map.cells ??= new Float32Array(of).fill(NaN)
+  map.count = count
+  map.axes = [x, y]
+  map.cells[row * count + column] = value ?? NaN
+  if (done % count && done < of) return
+  const known = map.cells.filter((each) => !Number.isNaN(each))
+  const low = Math.min(...known), high = Math.max(...known)
+  model("map-colours").setv({ low, high: Math.max(high, low + 1e-6) })
+  model("map-x").setv({ start: x.low, end: x.high })
+  model("map-y").setv({ start: y.low, end: y.high })
+  const figure = views.map.model
+  figure.below[0].axis_label = `${x.name} (${x.unit || "1"})`
+  figure.left[0].axis_label = `${y.name} (${y.unit || "1"})`
+  model("map-cells").data = { image: [ndarray(map.cells.slice(), [count, count])], x: [x.low], y: [y.low], dw: [x.high - x.low], dh: [y.high - y.low] }
+  here()
+  const quantity = by("map-quantity").querySelector(`[value=${map.names[2]}]`).textContent
+  by("map-words").textContent = `${quantity} of the view when you filled it: ${low.toFixed(0)} to ${high.toFixed(0)}${done < of ? `, ${of - done} cells to come` : ". Click a cell to go there."}`
+  document.documentElement.dataset.map = `${number}:${done}`
+}
+function here() { // where the sliders are
+  if (map?.cells) model("map-here").data = { x: [Number(map.sides[0].value)], y: [Number(map.sides[1].value)] }
+}
+by("map").addEventListener("click", (event) => {
+  const view = views.map
+  if (!map?.cells) return
+  const box = view.el.getBoundingClientRect()
+  const at = [view.frame.x_scale.invert(event.clientX - box.left), view.frame.y_scale.invert(event.clientY - box.top)]
+  at.forEach((value, side) => {
+    const { low, step } = map.axes[side], input = map.sides[side]
+    const cell = Math.min(Math.max(Math.floor((value - low) / step), 0), map.count - 1)
+    const size = Number(by(`${input.name}-slider`).step)
+    input.value = String(Number((Math.round((Number(input.min) + cell * step) / size) * size).toFixed(6)))
+    by(`${input.name}-slider`).value = input.value
+  })
+  fit()
+  ask()
+})
+
+// ---- measurements ----
+async function take(file) {
+  if (!file) {
+    model("force-measured").data = { place: new Float32Array(0), value: new Float32Array(0) }
+    by("measured-words").textContent = ""
+    return send({ number: asked, name: "", measured: "" })
+  }
+  if (file.size > 15e6) return say(`${file.name} has ${(file.size / 1e6).toFixed(0)} MB: give up to 15 MB around the impact`, true)
+  by("measured-words").textContent = "computing"
+  send({ number: asked, name: file.name, measured: await file.text() })
+}
+by("measured").addEventListener("change", ({ target }) => take(target.files[0]))
+addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping") })
+addEventListener("dragleave", () => document.body.classList.remove("dropping"))
+addEventListener("drop", (event) => {
+  event.preventDefault()
+  document.body.classList.remove("dropping")
+  take(event.dataTransfer.files[0])
+})
+function drawMeasured({ number, words, arrays }) {
+  by("measured-words").textContent = words
+  model("force-measured").data = { place: arrays.place, value: arrays.force }
+  document.documentElement.dataset.measured = String(number)
+}
+
 // ---- answers ----
-function drawAnswer({ number, query, nodes, bay, row, readouts, seconds, arrays }) {
+function drawAnswer({ number, query, nodes, bay, row, readouts, marks, verdicts, sources, seconds, arrays }) {
   answered = number
   if (number === asked) {
     clearTimeout(late)
@@ -237,6 +349,19 @@ function drawAnswer({ number, query, nodes, bay, row, readouts, seconds, arrays 
   model("stress-curves").data = stress
   ranges(force, stress)
   spans("sleeper", (span) => { span.location = span.tags[1] * bay })
+  for (const part of views.forces.model.center) {
+    if (part.tags[0] !== "limit") continue
+    const [force, label] = marks[part.tags[1]] ?? [null, ""]
+    part.setv(part.type === "Span" ? { location: force } : { y: force ?? 0, text: label, visible: force !== null })
+  }
+  by("verdicts").replaceChildren(...verdicts.map(({ words, level }) => {
+    const item = document.createElement("li")
+    item.textContent = words
+    item.className = level
+    return item
+  }))
+  by("scatter").textContent = by("fatigue").textContent = by("fatigue-source").textContent = ""
+  by("sources").textContent = sources.length ? `Limits: ${sources.join("; ")}.` : ""
   for (const [name, text] of Object.entries(readouts)) by(name).textContent = text
   by("nodes").innerHTML = nodes.map((name, node) => `<i style="--colour:${settings.colours[node]}"></i>${name}`).join(" ")
   by("stress-words").textContent = by("stress").value === "turning"
@@ -244,6 +369,7 @@ function drawAnswer({ number, query, nodes, bay, row, readouts, seconds, arrays 
   lastAnswer = performance.now() - askedAt
   by("seconds").textContent = `${Math.round(1000 * seconds)} ms of work, ${Math.round(lastAnswer)} ms from change to curve`
   by("moment").max = place.length - 1
+  here()
   mark(row)
   document.documentElement.dataset.answered = String(number)
 }

@@ -10,11 +10,16 @@ from typing import Any
 import numpy as np
 
 from ..runtime.arrays import Real
+from ..samples.impacts import ImpactSettings
 from ..scenario import WHEELS
+from ..verdict.limit_set import load_limits
+from ..verdict.verdicts import verdicts
 from .answers import Answer, Moment
-from .plots import NODES
+from .plots import LIMITS, NODES
 from .view import KINDS, SLIDERS, View
 
+IMPACT = ImpactSettings().threshold
+"""Contact force that makes an impact, N."""
 ALIGNED = 4
 """Bytes: arrays begin at multiples of it, as the browser wants them."""
 MARGIN = 3
@@ -54,9 +59,27 @@ def answer_message(number: int, answer: Answer, pin: int | None = None) -> bytes
         "bay": answer.scenario.track.spacing,
         "row": answer.peak_row,
         "readouts": readouts(answer),
+        **judged(answer),
         "seconds": answer.seconds,
     }
     return packed(header, arrays)
+
+
+def judged(answer: Answer) -> dict[str, Any]:
+    """Verdicts on an answer, the forces that are marked in its plot, and the sources of the limits."""
+    limits = load_limits(answer.view.limits)
+    marks: list[tuple[float, str]] = [(IMPACT / 1e3, f"{IMPACT / 1e3:.0f} kN, impact")]
+    found: list[dict[str, str]] = []
+    sources: list[str] = []
+    if limits is not None:
+        amplitudes = dict(zip(answer.nodes, answer.amplitude.tolist(), strict=True))
+        peaks = answer.block.forces.max(axis=0).tolist()
+        compared = verdicts(limits, peaks, answer.scenario.irregularities, amplitudes)
+        found = [{"words": each.text, "level": each.level.word} for each in compared]
+        marks += [(limit.above / 1e3, f"{limit.above / 1e3:.0f} kN, {limit.level}") for limit in limits.force]
+        of_all = (*limits.force, *limits.damage_length, *limits.axle)
+        sources = [*dict.fromkeys(limit.source for limit in of_all)]
+    return {"marks": marks[:LIMITS], "verdicts": found, "sources": sources}
 
 
 def title(view: View) -> str:

@@ -14,17 +14,19 @@ from bokeh.embed import json_item
 from ..report.files import STYLE
 from ..report.plots import COLOURS
 from ..version import __version__
+from .background import QUANTITIES
 from .downloads import FORMS
 from .plots import EXAGGERATED, PIN_COLOURS, all_plots
 from .view import KINDS, MEANINGS, SLIDERS, STRESSES, Base, View
 
-FORCE_SOURCES = (
-    "200 kN counts as an impact in this software: about twice the static load. Above 350 kN a wayside detector’s alarm "
-    "stops the train (Trafikverket, Sweden; Chalmers University of Technology 2024, publication 544204)."
-)
+FORCE_SOURCES = "200 kN counts as an impact in this software: about twice the static load of the shipped scenarios."
 STRESS_SOURCES = (
     "A design by EN 13103-1 admits an amplitude of 166 MPa on the body of a solid axle of steel EA1N, whose fatigue "
     "limit in rotating bending is 200 MPa."
+)
+PASSAGE = (
+    "The wheel makes one turn after an undamaged run, so a stress that the turn before has left is not in the curves; "
+    "the damage of the axle is counted over a whole run."
 )
 READOUTS = (
     ("wheel_1-peak", "peak, wheel 1", "Largest contact force of wheel 1 over one turn."),
@@ -44,9 +46,23 @@ def style() -> str:
     return STYLE + asset("explore.css")
 
 
-def page(base: Base, view: View, pins: Sequence[str] = (), refused: str = "") -> str:
-    """HTML of the page for a view and pinned ones, as queries; ``refused`` says why the address could not be used."""
-    settings = _json({"colours": COLOURS, "pinColours": PIN_COLOURS, "exaggerated": EXAGGERATED, "pins": [*pins]})
+def page(base: Base, view: View, pins: Sequence[str] = (), mapped: str = "", refused: str = "") -> str:
+    """HTML of the page.
+
+    Parameters
+    ----------
+    base, view
+        The scenario, and what the controls say.
+    pins
+        Pinned views, as queries.
+    mapped
+        Both sliders and the quantity of a map, with colons between them; empty for none.
+    refused
+        Why the address could not be used, in one line.
+    """
+    settings = _json(
+        {"colours": COLOURS, "pinColours": PIN_COLOURS, "exaggerated": EXAGGERATED, "pins": [*pins], "map": mapped}
+    )
     name = escape(base.scenario.name)
     notes = "".join(f"<p class='quiet'>{escape(note)}.</p>" for note in base.notes)
     return f"""<!DOCTYPE html>
@@ -66,10 +82,19 @@ def page(base: Base, view: View, pins: Sequence[str] = (), refused: str = "") ->
 <p id="status" role="status">{escape(refused) or "connecting"}</p>
 </header>
 <main>
+<div id="side">
 <form id="controls" aria-label="controls" autocomplete="off" novalidate>
 {"".join(_controls(base, view))}
 {notes}
 </form>
+<section id="verdict" aria-labelledby="verdict-title">
+<h2 id="verdict-title">Verdict</h2>
+<ul id="verdicts"></ul>
+<p id="scatter"></p>
+<p id="fatigue"></p>
+</section>
+{"".join(_keep())}
+</div>
 <div id="results">
 <section aria-labelledby="forces-title">
 <h2 id="forces-title">Contact force <span class="key"><i style="--colour:{COLOURS[0]}"></i>wheel 1
@@ -97,8 +122,15 @@ so do the arrow keys here. A new answer goes to its largest force.</span>
 <div class="plot" id="pressure" role="img" aria-label="map of the contact pressure, seen from above"></div>
 </section>
 </div>
-<p class="quiet">{FORCE_SOURCES} {STRESS_SOURCES} The wheel makes one turn after an undamaged run, so a stress that the
-turn before has left is not in it: <code>fatigue</code> counts whole runs.</p>
+<section aria-labelledby="map-title" id="map-section">
+<h2 id="map-title">Map <span class="quiet" id="map-words">of a result over two sliders</span></h2>
+<div class="row">{_choice("map-quantity", "show", QUANTITIES)}
+{_choice("map-x", "over", {})}{_choice("map-y", "and", {})}
+<button type="button" id="map-fill">Fill</button></div>
+<div class="plot" id="map" role="img" aria-label="map of the result over both sliders" hidden></div>
+</section>
+<p class="quiet">{FORCE_SOURCES} <span id="sources"></span> {STRESS_SOURCES} <span id="fatigue-source"></span>
+{PASSAGE}</p>
 <p class="quiet">wheelset_track_sim {__version__}. An answer: <span id="seconds">none yet</span>.</p>
 </div>
 </main>
@@ -143,8 +175,13 @@ def _controls(base: Base, view: View) -> Iterator[str]:
     yield _select("rough", "treads", {"0": "smooth", "1": "rough"}, shown)
     yield _slider("level", shown)
     yield "</fieldset><fieldset><legend>Show</legend>"
+    yield _select("limits", "limits", {name: name.replace("_", " ") for name in base.limits}, shown)
     yield _select("stress", "axle stress", dict(STRESSES), shown)
-    yield "</fieldset><fieldset><legend>Keep</legend>"
+    yield "</fieldset>"
+
+
+def _keep() -> Iterator[str]:
+    yield '<div id="keep" role="group" aria-labelledby="keep-title"><h2 id="keep-title">Keep</h2>'
     yield """<div class="control choice"><span id="pin-label">curves</span>
 <button type="button" id="pin" aria-describedby="pin-tip">Pin for comparison</button>
 <span role="tooltip" id="pin-tip">Keeps the force of the damaged wheel and the stress of the worst node as dashed
@@ -152,7 +189,16 @@ curves. The address keeps them, too.</span></div><ol id="pins"></ol>"""
     files = "".join(f'<button type="button" data-suffix="{suffix}">{text}</button>' for suffix, text in FORMS.items())
     yield f"""<div class="control choice files"><span>files</span><div>{files}</div>
 <span role="tooltip">The scenario as a file, or one turn of its wheel as run and report make it.</span></div>"""
-    yield "</fieldset>"
+    yield """<div class="control choice"><label for="measured">measured</label><input type="file" id="measured"
+ accept=".csv,.txt,text/*" aria-describedby="measured-tip">
+<span role="tooltip" id="measured-tip">Text file with the force of a wheel over time or position, as compare reads it;
+or drop it anywhere on the page. It stays on this machine.</span></div><p id="measured-words"></p>"""
+    yield "</div>"
+
+
+def _choice(name: str, label: str, choices: Mapping[str, str]) -> str:
+    options = "".join(f'<option value="{value}">{text}</option>' for value, text in choices.items())
+    return f'<label>{label} <select id="{name}">{options}</select></label>'
 
 
 def _slider(name: str, shown: Mapping[str, str]) -> str:

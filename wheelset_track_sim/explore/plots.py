@@ -18,8 +18,8 @@ NODES = 6
 """Stress nodes that are drawn at most."""
 EXAGGERATED = 5
 """Heights of the bodies in contact are drawn at this many times the scale of lengths."""
-LIMITS = {200: "200 kN", 350: "350 kN"}
-"""Contact forces that are marked, kN; the page names their sources."""
+LIMITS = 6
+"""Contact forces that are marked at most: that of an impact, and the limits that the view names."""
 SLEEPERS = 12
 """Sleepers that are marked at most; the first is two bays behind the origin."""
 RAIL = "#8c8c94"
@@ -27,15 +27,15 @@ RAIL = "#8c8c94"
 
 def all_plots() -> dict[str, figure]:
     """Plots by the name of the element that they are drawn in."""
-    return {"forces": _forces(), "stresses": _stresses(), "bodies": _bodies(), "pressure": _pressure()}
+    return {"forces": _forces(), "stresses": _stresses(), "bodies": _bodies(), "pressure": _pressure(), "map": _map()}
 
 
 def _forces() -> figure:
     plot = _over_place("contact force (kN)", 225, Range1d(0.0, 400.0, name="force-range"))
-    for force, label in LIMITS.items():
-        plot.add_layout(Span(location=force, dimension="width", **MARK | {"line_dash": [8, 4]}))
-        text: Any = {"text_font_size": "11px", "text_baseline": "bottom"}
-        plot.add_layout(Label(x=6, x_units="screen", y=force, text=label, **text))
+    for number in range(LIMITS):
+        plot.add_layout(Span(dimension="width", tags=["limit", number], **MARK | {"line_dash": [8, 4]}))
+        text: Any = {"text_font_size": "11px", "text_baseline": "bottom", "x": 6, "x_units": "screen"}
+        plot.add_layout(Label(y=0, text="", visible=False, tags=["limit", number], **text))
     return _with_curves(plot, "force", 2)
 
 
@@ -62,6 +62,8 @@ def _with_curves(plot: figure, kind: str, most: int) -> figure:
     for number in range(PINS):
         source = ColumnDataSource({"place": np.empty(0), "value": np.empty(0)}, name=f"{kind}-pin{number}")
         plot.line("place", "value", source=source, color=PIN_COLOURS[number], line_dash=[6, 3], line_width=1.1)
+    measured = ColumnDataSource({"place": np.empty(0), "value": np.empty(0)}, name=f"{kind}-measured")
+    plot.line("place", "value", source=measured, color=RAIL, line_width=2.5, line_alpha=0.8)
     names = [f"value{number}" for number in range(most)]
     source = ColumnDataSource({name: np.empty(0) for name in ("place", *names)}, name=f"{kind}-curves")
     for number in reversed(range(most)):  # the first lies on top
@@ -93,6 +95,19 @@ def _pressure() -> figure:
     tips = [("pressure", "@image{0} MPa"), ("ahead", "$x{0.0} mm"), ("to the left", "$y{0.0} mm")]
     plot.add_tools(HoverTool(renderers=[image], tooltips=tips, visible=False))
     plot.add_layout(ColorBar(color_mapper=colours, title="MPa", width=12, background_fill_alpha=0.0), "right")
+    return plot
+
+
+def _map() -> figure:
+    colours = LinearColorMapper(palette=Inferno256[40:250], low=0.0, high=1.0, nan_color="rgba(0,0,0,0)")
+    colours.name = "map-colours"
+    nothing = {"image": [np.full((2, 2), np.nan, np.float32)], "x": [0.0], "y": [0.0], "dw": [0.0], "dh": [0.0]}
+    source = ColumnDataSource(nothing, name="map-cells")
+    plot = _of_contact("", Range1d(0, 1, name="map-x"), Range1d(0, 1, name="map-y"))
+    image = plot.image("image", "x", "y", "dw", "dh", source=source, color_mapper=colours)
+    plot.add_tools(HoverTool(renderers=[image], tooltips=[("", "@image{0.0}")], visible=False))
+    plot.scatter("x", "y", source=ColumnDataSource({"x": [], "y": []}, name="map-here"), size=10, color="#3b8ed0")
+    plot.add_layout(ColorBar(color_mapper=colours, width=12, background_fill_alpha=0.0), "right")
     return plot
 
 

@@ -6,22 +6,27 @@ import asyncio
 import json
 import secrets
 import signal
+import socket
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeAlias
 from urllib.parse import urlencode
 
 from bokeh.resources import Resources
 from tornado.httpserver import HTTPServer
-from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from ..errors import InputError, WheelsetTrackError
+from ..runtime.progress import Progress
 from ..scenario import Scenario
+from ..twin.measured import Measurement, read_measurement
 from .answers import Answer, Explorer
+from .background import beside, fatigue, heat_map, scatter
 from .downloads import content
 from .messages import answer_message, moment_message, packed
 from .page import asset, page, style
@@ -35,12 +40,22 @@ SECURITY = (
     "connect-src 'self' ws://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 """The browser itself prevents requests to others; ``{host}`` is that of the page."""
-LONGEST_MESSAGE = 1_000_000
-"""Bytes of a message from a page."""
+LONGEST_MESSAGE = 20_000_000
+"""Bytes of a message from a page: a measurement is one."""
+LONGEST_NAME = 60
+"""Characters of the name of a measurement."""
 PING = 20.0
 """Time between signs of life of a page, s: one that is gone without a word is forgotten."""
 PROGRESS = 0.2
 """Time between messages of progress, s."""
+
+
+BACKGROUND = 2
+"""Rank of what nobody waits for."""
+IDLE = 0.4
+"""Time without a change after which work in the background begins, s."""
+
+Slices: TypeAlias = Iterator[Mapping[str, Any] | None]
 
 
 class Site:
@@ -142,12 +157,12 @@ class Opening(Guarded):
 
     def get(self, *_: str) -> None:
         """The page for the view of the address; for that of the scenario, with the reason, if it cannot be used."""
-        pins, refused = self.get_query_arguments("pin")[:PINS], ""
+        pins, mapped, refused = self.get_query_arguments("pin")[:PINS], self.get_query_argument("map", ""), ""
         try:
-            view = self.view("pin")
+            view = self.view("pin", "map")
         except InputError as refusal:
             view, refused = self.site.base.begin, f"{refusal}; the page begins with the scenario instead"
-        self.finish(page(self.site.base, view, pins, refused))
+        self.finish(page(self.site.base, view, pins, mapped, refused))
 
 
 class Static(Guarded):
@@ -191,7 +206,8 @@ class Page(WebSocketHandler, Guarded):
     def open(self, *_: str, **__: str) -> None:
         """Begin."""
         self.answer: Answer | None = None
-        self.number = 0
+        self.measurement: tuple[str, Measurement] | None = None
+        self.number, self.mapped = 0, 0
         self.loop = asyncio.get_running_loop()
         self.set_nodelay(True)
         self.site.pages.add(self)
@@ -204,13 +220,16 @@ class Page(WebSocketHandler, Guarded):
 
     def forget(self) -> None:
         """Let go of the run, in the thread that has used it."""
-        self.answer = None
+        self.answer = self.measurement = None
 
     def on_message(self, message: str | bytes) -> None:
         """Take a request: a view, or a sample of the latest answer."""
         try:
             asked = json.loads(message)
             number = int(asked["number"])
+            if "map" in asked or "measured" in asked:
+                self.take(number, asked)
+                return
             if "row" in asked:
                 row = int(asked["row"])
                 self.site.worker.submit(self, "moment", lambda: self.show(number, row))
@@ -232,6 +251,56 @@ class Page(WebSocketHandler, Guarded):
         elif 0 <= pin < PINS:
             self.site.worker.submit(self, f"pin {pin}", lambda: self.pinned(number, view, pin), rank=1)
 
+    def take(self, number: int, asked: Mapping[str, Any]) -> None:
+        """Take a request of a map, or a measurement that the page shows from now on; ValueError if it is neither."""
+        if "measured" in asked:
+            name, text = str(asked["name"])[:LONGEST_NAME], str(asked["measured"])
+            self.site.worker.submit(self, "measured", lambda: self.measure(number, name, text))
+            return
+        x, y, quantity = (str(each) for each in asked["map"])
+        self.mapped = number
+        with self.refusing(number):
+            view = View.read(
+                {str(name): str(value) for name, value in dict(asked["view"]).items()}, self.site.base.begin
+            )
+            slices = heat_map(self.site.explorer, view, x, y, quantity)
+            self.site.worker.submit(self, "map", lambda: self.fill(number, slices), BACKGROUND)
+
+    def fill(self, number: int, slices: Slices) -> None:
+        """Send cells of a map while no page waits for an answer; in the thread."""
+        with self.refusing(number):
+            for found in slices:
+                if number != self.mapped or self.ws_connection is None:
+                    return
+                self.post(packed({**(found or {}), "number": number}))
+                if self.site.worker.busy(BACKGROUND):
+                    break
+            else:
+                return
+            self.site.worker.submit(self, "map", lambda: self.fill(number, slices), BACKGROUND)
+
+    def measure(self, number: int, name: str, text: str) -> None:
+        """Read a measurement, none if the text is empty, and show it beside the answer; in the thread."""
+        self.measurement = None
+        with self.refusing(number), TemporaryDirectory(prefix="explore_") as folder:
+            if text:
+                path = Path(folder) / "measured.csv"
+                path.write_text(text, encoding="utf-8")
+                try:
+                    self.measurement = name, read_measurement(path)
+                except InputError as refusal:
+                    raise InputError(str(refusal).replace(str(path), name)) from None
+        self.show_measured(number)
+
+    def show_measured(self, number: int) -> None:
+        """Send the measurement as it lies beside the latest answer; in the thread."""
+        answer, measured = self.answer, self.measurement
+        if answer is None or measured is None:
+            return
+        with self.refusing(number):
+            header, arrays = beside(answer, measured[1], measured[0])
+            self.post(packed({**header, "number": self.number}, arrays))
+
     def respond(self, number: int, view: View) -> None:
         """Answer a view; in the worker's thread."""
         with self.refusing(number):
@@ -239,6 +308,47 @@ class Page(WebSocketHandler, Guarded):
             self.answer, self.number = answer, number
             self.post(answer_message(number, answer))
         self.show(number, None)
+        self.show_measured(number)
+        with suppress(RuntimeError):  # the loop has ended
+            self.loop.call_soon_threadsafe(self.loop.call_later, IDLE, self.look_further, number)
+
+    def look_further(self, number: int) -> None:
+        """Begin the work in the background for an answer, if it is still the latest."""
+        answer = self.answer
+        if answer is None or number != self.number or self.ws_connection is None:
+            return
+        explorer = self.site.explorer
+        self.go_on(number, "scatter", lambda: scatter(explorer, answer))
+        self.go_on(number, "fatigue", lambda: fatigue(explorer, answer, self.unless_busy(number)))
+
+    def go_on(self, number: int, kind: str, make: Callable[[], Slices], slices: Slices | None = None) -> None:
+        """Have slices of work done while no page waits for an answer."""
+        self.site.worker.submit(self, kind, lambda: self.work(number, kind, make, slices), BACKGROUND)
+
+    def work(self, number: int, kind: str, make: Callable[[], Slices], slices: Slices | None) -> None:
+        """Do slices, and send what they find; in the thread."""
+        slices = slices or make()
+        with self.refusing(number):
+            try:
+                for found in slices:
+                    if number != self.number or self.ws_connection is None:
+                        return
+                    if found is not None:
+                        self.post(packed({**found, "number": number}))
+                    if self.site.worker.busy(BACKGROUND):
+                        self.go_on(number, kind, make, slices)
+                        return
+            except SupersededError:
+                self.go_on(number, kind, make)
+
+    def unless_busy(self, number: int) -> Progress:
+        """Progress of work in the background, which breaks it off when a page waits for an answer."""
+
+        def report(_: str, __: float) -> None:
+            if number == self.number and self.site.worker.busy(BACKGROUND):
+                raise SupersededError
+
+        return report
 
     def pinned(self, number: int, view: View, pin: int) -> None:
         """Send the curves of a view that is pinned; in the thread."""
@@ -330,12 +440,13 @@ async def serve(
     site = Site(scenario)
     try:
         try:
-            sockets = bind_sockets(port, ADDRESS)
+            listening = socket.create_server((ADDRESS, port))
         except OSError as reason:
             raise InputError(f"port {port} cannot be used ({reason.strerror}): give another one, or none") from None
-        site.port = sockets[0].getsockname()[1]
+        listening.setblocking(False)
+        site.port = listening.getsockname()[1]
         server = HTTPServer(site.application())
-        server.add_sockets(sockets)
+        server.add_socket(listening)
         ended = asyncio.Event()
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):

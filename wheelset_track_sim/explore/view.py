@@ -21,6 +21,7 @@ from ..irregularities.roughness import Roughness
 from ..scenario import WHEELS, Scenario
 from ..scenario.scenario import Wheel
 from ..track.track import load_track
+from ..verdict.limit_set import DEFAULT_LIMITS, NO_LIMITS
 from ..wheelset.around import NEARLY_NONE
 from ..wheelset.imported import ImportedNode
 from ..wheelset.kinds import load_wheelset
@@ -109,6 +110,7 @@ MEANINGS = {
     "wheelset": "Shipped wheelset, or that of the scenario. Another one needs new models: some seconds the first time.",
     "track": "Shipped track, or that of the scenario. Another one needs new models: some seconds the first time.",
     "rough": "Roughness of both treads, from 5 to 500 mm, relative to the limit of ISO 3095:2013 for rails.",
+    "limits": "Limits that the verdict compares with: Sweden, the USA, Great Britain, an example of your own, or none.",
     "stress": "Axial stress at each stress node: of the point around the axle that has the largest range as the axle "
     "turns, or of the top of the axle, which does not turn.",
 }
@@ -142,6 +144,7 @@ class View:
     track: str = "ballasted_60e1"
     rough: bool = False
     level: float = 0.0
+    limits: str = DEFAULT_LIMITS
     stress: Stress = "turning"
 
     def query(self) -> str:
@@ -244,6 +247,11 @@ class Base:
         """Likewise."""
         return _with_own(shipped.names("tracks"), self.scenario.track.name)
 
+    @property
+    def limits(self) -> list[str]:
+        """Likewise."""
+        return [*shipped.names("limits"), NO_LIMITS]
+
     def surroundings(self, view: View) -> Scenario:
         """The scenario of a view without its damage: what runs on what, how rough; raises InputError."""
         own = self.scenario
@@ -256,6 +264,7 @@ class Base:
         if view.track != own.track.name:
             _check_name("track", view.track, self.tracks)
             changes["track"] = load_track(view.track)
+        _check_name("limits", view.limits, self.limits)
         surfaces = own.irregularities
         if view.rough:
             surfaces += tuple(Roughness(on, seed=n, level=view.level) for n, on in enumerate(WHEELS, 1))
