@@ -142,12 +142,14 @@ def default_of(field):
 @pytest.mark.slow
 def test_the_tutorial_of_the_detector_finds_its_force(tmp_path, monkeypatch, capsys):
     text = (ROOT / "docs" / "tutorials" / "detector.md").read_text(encoding="utf-8")
-    wagon, detector = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    (wagon,) = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     (tmp_path / "results" / "wagon.yaml").write_text(wagon)
-    (tmp_path / "results" / "detector.yaml").write_text(detector)
-    assert len(wts.load_study("results/detector.yaml").runs()) == 7 * 3
+    assert main(["identify", "--force", "250 kN", "--scenario", "results/wagon.yaml", "--kind", "flat", "--json"]) == 0
+    length = json.loads(capsys.readouterr().out)["kinds"][0]["parameters"]["length_m"]
+    shown = re.search(r"fresh flat \| length \| ([\d.]+) mm \| ([\d.]+) mm \| ([\d.]+) mm", text).groups()
+    assert [f"{1e3 * length[name]:.1f}" for name in ("estimate", "low", "high")] == [*shown]
     turn = wts.Simulator(wts.load_scenario("results/wagon.yaml")).advance(3000)
     assert 230e3 < turn.forces[:, 0].max() < 250e3 < 350e3
     capsys.readouterr()

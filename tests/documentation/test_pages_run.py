@@ -38,7 +38,7 @@ LEFT_OUT = {
     "howto/fatigue": (
         *(f"{WTS} run", f"{WTS} study", f"{WTS} fatigue flat.mcap", f"{WTS} fatigue axle_7.ledger"),
         *(f"{WTS} fatigue damage_wheel_1 --curve", f"{WTS} fatigue damage_wheel_1 --service"),
-        *(f"{WTS} fatigue damage_wheel_1 --mission", f"{WTS} fatigue press_fit"),
+        *(f"{WTS} fatigue damage_wheel_1 --mission", f"{WTS} fatigue press_fit", "ros2 "),
     ),
     "howto/crack": (f"{WTS} list", f"{WTS} crack damage_wheel_1 --depth '2 mm' --growth my_steel.yaml"),
     "howto/wayside": (f"{WTS} study blind_zone", f"{WTS} node", f"{WTS} echo"),

@@ -36,18 +36,11 @@ def test_a_position_becomes_a_time_by_the_speed(tmp_path, time):
     assert read_observation(path, TRAIN)[0].period == pytest.approx(2e-4)
 
 
-def test_accelerations_and_strains_are_read_by_their_columns(tmp_path, time):
+def test_accelerations_are_read_by_their_columns(tmp_path, time):
     path = written(tmp_path / "b.csv", "time [s],box_1 [g],box_2 [g]", time, np.sin(time), 5 * np.sin(time))
     found, _ = read_observation(path, TRAIN)
     assert (found.signal, found.wheel) == ("box", "wheel_2")
     assert found.values.max() == pytest.approx(5 * 9.81 * np.sin(time).max(), rel=1e-3)
-    angle = np.degrees(58 * time) % 360
-    path = written(tmp_path / "s.csv", "time [s],strain [um/m],angle [deg]", time, 200 * np.cos(58 * time), angle)
-    with pytest.raises(InputError, match="does not say where on the axle the gauge is: give --gauge-y"):
-        read_observation(path, TRAIN)
-    found, _ = read_observation(path, Given(speed=25.0, axle_load=2e5, place_y=-0.5))
-    assert found.values.max() == pytest.approx(200e-6, rel=1e-3)
-    assert found.angles[-1] == pytest.approx(58 * time[-1], rel=1e-3)
 
 
 def test_a_bag_holds_speed_load_and_scenario(tmp_path):
@@ -69,7 +62,7 @@ def test_a_bag_holds_speed_load_and_scenario(tmp_path):
         ("time [s],wheel_1 [kN]", Given(axle_load=2e5), "does not hold the speed: give --speed"),
         ("time [s],wheel_1 [kN]", Given(speed=25.0), "does not hold the axle load: give --axle-load"),
         ("time [s],box_1 [furlong]", TRAIN, "the unit of 'box_1 \\[furlong\\]' is not known: give m/s\\^2, m/s2, g"),
-        ("time [s],strain []", TRAIN, "give columns strain and angle"),
+        ("time [s],left [g]", Given(speed=25.0, axle_load=2e5, signal="axle_box_acceleration"), "give a column box_1"),
         ("time [s],wheel_1 [kN]", Given(speed=25.0, axle_load=2e5, signal="noise"), "is not a known signal"),
     ],
 )

@@ -18,6 +18,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.timeout(600)]
 OK, WARN, ERROR, STALE = b"\x00", b"\x01", b"\x02", b"\x03"
 NODE = "wheelset_track_sim"
 SUBJECTS = {
+    "verdict",
     "simulation",
     "recording",
     "services",

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from ..errors import InputError, warn
 from ..fatigue.curve import load_curve
-from ..identification.files import Given, read_observation
+from ..identification.files import Given, read_observation, without_damage
 from ..identification.kind_fits import TRACK_ERROR, identify
 from ..identification.observation import Observation, PeakReading
 from ..identification.prediction import Prediction, predict
@@ -136,7 +136,9 @@ def _data(
 
 
 def _undamaged(scenario: Scenario) -> Scenario:
-    return dataclasses.replace(scenario, settle_on="smooth", sensors=(), speed_plan=(), events=())
+    """The scenario without what is looked for, and without what has no place in a passage."""
+    bare = without_damage(scenario)
+    return dataclasses.replace(bare, settle_on="smooth", sensors=(), speed_plan=(), events=())
 
 
 def as_mapping(found: Identification, predicted: Sequence[Prediction]) -> dict[str, Any]:

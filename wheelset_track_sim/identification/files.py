@@ -24,13 +24,11 @@ from ..twin.measured import Reading, read_measurement
 from ..twin.measured.measurement import Measurement, evenly
 from .observation import Observation
 
-FORCE, BOX, STRAIN = "force", "axle_box_acceleration", "strain"
+FORCE, BOX = "force", "axle_box_acceleration"
 ACCELERATIONS = {"": 1.0, "m/s^2": 1.0, "m/s2": 1.0, "g": 9.81}
 """Units of accelerations in files, m/s^2."""
-STRAINS = {"": 1.0, "um/m": 1e-6, "ue": 1e-6}
-ANGLES = {"": 1.0, "rad": 1.0, "deg": np.pi / 180}
 LOOKED_FOR = (Flat, Breakout, Cluster, Polygon)
-"""Damage that a bag's scenario loses: it is what is looked for."""
+"""Damage that a scenario loses: it is what is looked for."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +36,7 @@ class Given:
     """What is known of a file of data beside its samples; None for what the file or a default says."""
 
     signal: str | None = None
-    """``force``, ``axle_box_acceleration``, ``strain``, or of a bag the topic ``strain/NAME``."""
+    """``force`` or ``axle_box_acceleration``."""
     wheel: Wheel | None = None
     """None for the one with the larger peak."""
     speed: float | None = None
@@ -49,8 +47,6 @@ class Given:
     gain_error: float | None = None
     speed_error: float | None = None
     shape_error: float | None = None
-    place_y: float | None = None
-    """Axial place of a strain gauge, m."""
     reading: Reading | None = None
     """How forces are read where the headings do not say it."""
 
@@ -66,8 +62,8 @@ def read_observation(path: str | Path, given: Given | None = None) -> tuple[Obse
     Parameters
     ----------
     path
-        A text file with the time or the position and signals: ``wheel_1``, ``wheel_2`` (forces), ``box_1``, ``box_2``
-        (accelerations), or ``strain`` and ``angle``. Or a bag.
+        A text file with the time or the position and signals: ``wheel_1`` and ``wheel_2`` (forces), or ``box_1`` and
+        ``box_2`` (accelerations). Or a bag.
     given
         What the file does not say.
 
@@ -96,10 +92,10 @@ def read_observation(path: str | Path, given: Given | None = None) -> tuple[Obse
     signal = given.signal or _signal_of(path)
     if signal == FORCE:
         measurement = read_measurement(path, given.reading)
-    elif signal in (BOX, STRAIN):
-        measurement = _of_table(read_table(path), path, signal)
+    elif signal == BOX:
+        measurement = _of_table(read_table(path), path)
     else:
-        raise InputError(unknown("signal", f"--signal {signal!r}", signal, [FORCE, BOX, STRAIN]))
+        raise InputError(unknown("signal", f"--signal {signal!r}", signal, [FORCE, BOX]))
     record = evenly(measurement)
     step = record.step if measurement.axis == "time" else record.step / given.speed
     time = np.arange(len(record.signals), dtype=np.float64) * step
@@ -109,64 +105,44 @@ def read_observation(path: str | Path, given: Given | None = None) -> tuple[Obse
 
 def _signal_of(path: Path) -> str:
     names = {column.name.lower() for column in read_table(path).columns}
-    if "strain" in names:
-        return STRAIN
     return BOX if names & {"box_1", "box_2"} else FORCE
 
 
-def _of_table(table: ColumnTable, path: Path, signal: str) -> Measurement:
-    """Accelerations or strains of a text file."""
-    units: dict[str, Mapping[str, float]] = (
-        {"box_1": ACCELERATIONS, "box_2": ACCELERATIONS} if signal == BOX else {"strain": STRAINS, "angle": ANGLES}
-    )
+def _of_table(table: ColumnTable, path: Path) -> Measurement:
+    """Accelerations of a text file."""
     first = table.columns[0]
     axis: Any = "position" if first.unit in ("m", "mm", "km") else "time"
     signals = {}
-    for name, sizes in units.items():
+    for name in ("box_1", "box_2"):
         column = table.find(name)
         if column is None:
             continue
-        if column.unit not in sizes:
-            raise InputError(
-                f"{path}: the unit of {column.heading!r} is not known: give {', '.join(filter(None, sizes))}"
-            )
-        values = column.values * sizes[column.unit]
-        signals[name] = np.unwrap(values) if name == "angle" else values
-    if not signals or (signal == STRAIN and len(signals) < 2):
-        raise InputError(f"{path} has {table.listed()}: give columns {' and '.join(units)}")
-    return Measurement(
-        path, axis, first.values * table.size(first, "length" if axis == "position" else "time"), signals
-    )
+        if column.unit not in ACCELERATIONS:
+            known = ", ".join(filter(None, ACCELERATIONS))
+            raise InputError(f"{path}: the unit of {column.heading!r} is not known: give {known}")
+        signals[name] = column.values * ACCELERATIONS[column.unit]
+    if not signals:
+        raise InputError(f"{path} has {table.listed()}: give a column box_1 or box_2")
+    size = table.size(first, "length" if axis == "position" else "time")
+    return Measurement(path, axis, first.values * size, signals)
 
 
 def _of_bag(run: Recording, given: Given) -> tuple[Observation, Scenario | None]:
     """Observation of a recorded run."""
     signal = given.signal or FORCE
-    state = run.states[0] if run.states else None
     if signal == FORCE:
         time, signals = run.time, dict(zip(WHEELS, run.forces.T, strict=True))
-    elif signal in run.sensors:
+    elif signal == BOX and signal in run.sensors:
         record = run.sensors[signal]
-        time = record.time
-        signals = dict(record.values)
-        if "angle" in signals:
-            signals["angle"] = np.unwrap(signals["angle"])
-        else:
-            signals = {f"box_{number + 1}": values for number, values in enumerate(signals.values())}
+        time, signals = record.time, {name: record.values[name] for name in WHEELS}
     else:
-        raise InputError(unknown("signal", f"--signal {signal!r}", signal, [FORCE, *run.sensors]))
-    load = given.axle_load or (state.axle_load if state else None)
+        known = [FORCE, *(name for name in run.sensors if name == BOX)]
+        raise InputError(unknown("signal", f"--signal {signal!r}", signal, known))
+    load = given.axle_load or (run.states[0].axle_load if run.states else None)
     if load is None:
         raise InputError(f"{run.path} does not hold the axle load: give --axle-load")
     speed = given.speed or float(np.median(run.speed))
-    scenario = _scenario(run)
-    place = given.place_y
-    kind = STRAIN if "angle" in signals else BOX if "box_1" in signals else FORCE
-    if kind == STRAIN and place is None and scenario is not None:
-        found = [each for each in scenario.sensors if each.topic == signal.removesuffix("/true")]
-        place = getattr(found[0], "y", None) if found else None
-    own = dataclasses.replace(given, place_y=place)
-    return _observed(str(run.path), kind, time - time[0], signals, own, speed, load), scenario
+    return _observed(str(run.path), signal, time - time[0], signals, given, speed, load), _scenario(run)
 
 
 def _scenario(run: Recording) -> Scenario | None:
@@ -178,8 +154,13 @@ def _scenario(run: Recording) -> Scenario | None:
             found = scenario_from(parse(run.info.scenario, "scenario of the bag", trusted=False))
     except InputError as reason:
         raise RecordingError(f"{run.path} holds a scenario that cannot be used: {reason}") from None
-    kept = tuple(each for each in found.irregularities if not isinstance(each, LOOKED_FOR))
-    return dataclasses.replace(found, irregularities=kept, speed_plan=(), events=())
+    return without_damage(dataclasses.replace(found, speed_plan=(), events=()))
+
+
+def without_damage(scenario: Scenario) -> Scenario:
+    """The scenario without the damage that is looked for; its rails, roughness and profiles stay."""
+    kept = tuple(each for each in scenario.irregularities if not isinstance(each, LOOKED_FOR))
+    return dataclasses.replace(scenario, irregularities=kept)
 
 
 def farthest(values: Real) -> float:
@@ -198,18 +179,6 @@ def _observed(
 ) -> Observation:
     """Observation of the wheel that is given, or has the larger peak."""
     common: dict[str, Any] = {"source": source, "speed": speed, "axle_load": axle_load, **given.further()}
-    if signal == STRAIN:
-        if given.place_y is None:
-            raise InputError(f"{source} does not say where on the axle the gauge is: give --gauge-y")
-        return Observation(
-            "strain",
-            time,
-            signals["strain"],
-            wheel=given.wheel or "wheel_1",
-            place_y=given.place_y,
-            angles=signals["angle"],
-            **common,
-        )
     named: dict[Wheel, Real] = {
         WHEELS[int(name[-1]) - 1]: values for name, values in signals.items() if name[-2:] in ("_1", "_2")
     }

@@ -217,7 +217,7 @@ class Problem:
         found[:, self.at(number, "gain")] = observation.gain_error * self.predicted(number, x)
         if len(forward.speeds) > 1:
             sides = self.signal(number, x, [(0, -1.0), (1, 1.0)])
-            found[:, self.at(number, "speed")] = gain * sides / (2 * SPAN)
+            found[:, self.at(number, "speed")] = gain * sides / (2 * forward.width)
             if observation.on_wheelset:  # hits come at other times as well
                 moved = x.copy()
                 moved[self.at(number, "speed")] += 0.01

@@ -30,11 +30,10 @@ from ..samples.block import SampleBlock
 from ..samples.decimation import REACH
 from ..samples.resampling import FINE, response_table
 from ..scenario import WHEELS, Scenario
-from ..sensors.kinds import AxleBoxAcceleration, Sensor, StrainGauge
+from ..sensors.kinds import AxleBoxAcceleration, Sensor
 from ..simulation.models import Models, load_models
 from ..simulation.passages import Passages
 from ..track.track import Track
-from ..wheelset.harmonics import HARMONICS
 from .observation import Observation
 
 MARGIN = 0.25
@@ -44,8 +43,8 @@ SPAN = 2.0
 EARLIER = 4
 """Turns with hits before the first that a signal of the wheelset shows: bending of the axle rings on, and loses two
 fifths from turn to turn."""
-GAUGES = tuple(math.pi * number / (len(HARMONICS) - 1) for number in range(len(HARMONICS)))
-"""Angles of gauges that are fixed in space, from which the strain at all angles follows, rad."""
+CLOSER = 0.05
+"""Share of that distance at which speeds are simulated once the speed is known."""
 KEPT = 256
 """Curves that are kept."""
 
@@ -139,6 +138,8 @@ class Forward:
         width = SPAN * observation.speed_error
         self.speeds = tuple(observation.speed * (1.0 + share) for share in ((-width, width) if width else (0.0,)))
         """That are simulated, m/s."""
+        self.centre, self.width = 0.0, SPAN
+        """Of the simulated speeds, in standard deviations of the speed."""
         self._passages: dict[int, Passages] = {}
         self.simulated = 0
         """Passages simulated so far."""
@@ -186,12 +187,7 @@ class Forward:
         wheel, signal = WHEELS.index(self.observation.wheel), self.observation.signal
         if signal == "force":
             return block.forces[:, wheel : wheel + 1]
-        if signal == "box":
-            return block.sensors[self.sensors[0].topic][:, wheel : wheel + 1]
-        at_gauges = np.concatenate([block.sensors[sensor.topic] for sensor in self.sensors], axis=1)
-        n = np.array(HARMONICS)
-        harmonics: Real = np.linalg.solve(np.cos(np.outer(GAUGES, n)), at_gauges.T).T
-        return harmonics
+        return block.sensors[self.sensors[0].topic][:, wheel : wheel + 1]
 
     def at(self, curve: PassageCurve, lag: float, speed: float, derivative: int = 0) -> Real:
         """Observed signal (n,) by a curve, at the true ``speed``; or its derivative with respect to minus ``lag``."""
@@ -199,33 +195,36 @@ class Forward:
         turn = self.circumference / speed
         hits = np.floor((since + 0.1 / speed) / turn) if self.observation.on_wheelset else np.zeros(len(since))
         at = np.clip(since - hits * turn + hits * curve.turn, curve.spline.x[0], curve.spline.x[-1])
-        channels = curve.spline(at, derivative)
-        return self._combined(channels)
+        found: Real = curve.spline(at, derivative)[:, 0]
+        return found
 
-    def _combined(self, channels: Real) -> Real:
-        angles = self.observation.angles
-        if angles is None:
-            return channels[:, 0]
-        combined: Real = np.einsum("nh,nh->n", channels, np.cos(np.outer(angles[self.part], HARMONICS)))
-        return combined
+    def narrow(self, deviation: float) -> None:
+        """Simulate at speeds close to one that is ``deviation`` standard deviations off, from now on.
+
+        What rings on from earlier turns meets a hit in a phase that depends on the speed, and so not linearly.
+        """
+        if len(self.speeds) > 1:
+            self.centre, self.width = deviation, CLOSER * SPAN
+            given = self.observation
+            self.speeds = tuple(
+                given.speed * (1.0 + given.speed_error * (deviation + side)) for side in (-self.width, self.width)
+            )
+            self._kept.clear()
 
     def weights(self, deviation: float) -> list[tuple[int, float]]:
         """Which speeds count how much where the speed is ``deviation`` standard deviations off."""
         if len(self.speeds) == 1:
             return [(0, 1.0)]
-        share = 0.5 + 0.5 * deviation / SPAN
+        share = 0.5 + 0.5 * (deviation - self.centre) / self.width
         return [(0, 1.0 - share), (1, share)]
 
     def nearest(self, deviation: float) -> int:
         """The nearer of the simulated speeds."""
-        return int(len(self.speeds) > 1 and deviation >= 0)
+        return int(len(self.speeds) > 1 and deviation >= self.centre)
 
 
 def _sensors(observation: Observation) -> tuple[Sensor, ...]:
     """From which the observed signal follows."""
-    if observation.signal == "strain":
-        gauges = enumerate(GAUGES)
-        return tuple(StrainGauge(name=f"g{n}", y=observation.place_y, angle=at, turning=False) for n, at in gauges)
     return (AxleBoxAcceleration(),) if observation.signal == "box" else ()
 
 

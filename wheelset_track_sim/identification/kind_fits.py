@@ -89,6 +89,10 @@ def identify(
         problem = Problem(KINDS.get(name), forwards, len(tracks.parts))
         searched[name] = problem, [problem.search(start, STEPS // 2) for start in problem.starts(1)]
     best = max(modes[0].log_evidence for _, modes in searched.values())
+    known = max(searched.values(), key=lambda each: each[1][0].log_evidence)
+    for number, forward in enumerate(forwards):
+        if forward.observation.on_wheelset:
+            forward.narrow(float(known[1][0].x[known[0].at(number, "speed")]))
     for problem, modes in searched.values():
         if modes[0].log_evidence > best - UNLIKELY:
             modes[:] = [problem.search(modes[0].x, STEPS)]
@@ -116,11 +120,16 @@ def _compared(
     for number, name in enumerate(order):
         progress(f"sample {name}", number / len(order))
         problem, modes = searched[name]
-        found.append(_described(name, problem, modes, math.exp(evidence[name] - total), seed))
+        probability = math.exp(evidence[name] - total)
+        shown = number == 0 or probability >= LEAST
+        found.append(_described(name, problem, modes, probability, seed, shown=shown))
     return tuple(found)
 
 
-def _described(name: str, problem: Problem, modes: list[Optimum], probability: float, seed: int) -> KindFit:
+def _described(
+    name: str, problem: Problem, modes: list[Optimum], probability: float, seed: int, *, shown: bool
+) -> KindFit:
+    """Fit of a kind; with its bands if it is shown."""
     mode, kind = modes[0], problem.kind
     count, sizes = problem.samples, problem.sizes
     columns = simulated_columns(problem)
@@ -153,7 +162,7 @@ def _described(name: str, problem: Problem, modes: list[Optimum], probability: f
         correlations(kind, draws[:, :sizes]),
         values,
         laterals,
-        tuple(_band(problem, mode, number) for number in range(len(problem.forwards))),
+        tuple(_band(problem, mode, number) for number in range(len(problem.forwards))) if shown else (),
     )
 
 

@@ -13,10 +13,9 @@ from ..inputs.schema import check, quantity
 from ..runtime.arrays import Real
 from ..scenario.scenario import Wheel
 
-Signal = Literal["force", "box", "strain"]
-NOISE: dict[Signal, float] = {"force": 2e3, "box": 2.0, "strain": 2e-6}
-"""Standard deviation of a sample if none is given: N, m/s^2, strain."""
-UNITS: dict[Signal, str] = {"force": "N", "box": "m/s^2", "strain": ""}
+Signal = Literal["force", "box"]
+NOISE: dict[Signal, float] = {"force": 2e3, "box": 2.0}
+"""Standard deviation of a sample if none is given: N, m/s^2."""
 FEWEST = 32
 """Samples of an observation."""
 BEFORE, AFTER = 0.5, 1.2
@@ -25,7 +24,7 @@ TURNS = 3
 """Turns that are used of a signal of the wheelset."""
 LEAD = 0.2
 """Track before the first hit that is used of it, m."""
-SHAPE: dict[Signal, float] = {"force": 0.02, "box": 0.05, "strain": 0.05}
+SHAPE: dict[Signal, float] = {"force": 0.02, "box": 0.05}
 """Standard deviation of errors of the model that the track does not explain, as a share of how far a sample is from the
 median. At the peak of a force, variants of the model at lag zero differ by some 3 % (``docs/validation.md``). What the
 wheelset does after a hit rings on, and phases drift apart."""
@@ -81,7 +80,7 @@ class Observation:
     """
 
     signal: Signal
-    """``force``: contact force of one wheel, N. ``box``: acceleration of its axle box, m/s^2. ``strain``: of axles."""
+    """``force``: contact force of one wheel, N. ``box``: acceleration of its axle box, m/s^2."""
     time: Real
     """(n,) s, increasing at even steps."""
     values: Real
@@ -96,9 +95,6 @@ class Observation:
     """As a share of how far a sample is from the median; None for ``SHAPE``."""
     gain_error: float = quantity("", 0.0, 0.5, "the standard deviation of the gain", default=0.03)
     speed_error: float = quantity("", 0.0, 0.1, "the standard deviation of the speed as a share of it", default=0.005)
-    place_y: float = quantity("m", -2.0, 2.0, "the axial place of a strain gauge", default=0.0)
-    angles: Real | None = None
-    """(n,) angle of a strain gauge from the top at each sample, rad."""
 
     def __post_init__(self) -> None:
         check(self)
@@ -111,8 +107,6 @@ class Observation:
         steps = np.diff(self.time)
         if not (steps > 0).all() or np.ptp(steps) > 0.02 * steps.mean():
             raise InputError(f"{self.source} is not sampled at even times: resample it, or give a part without gaps")
-        if self.signal == "strain" and (self.angles is None or len(self.angles) != len(self.time)):
-            raise InputError(f"{self.source}: a strain needs the angle of its gauge at each sample: give angles")
 
     @property
     def sigma(self) -> float:
@@ -137,10 +131,7 @@ class Observation:
     @property
     def peak(self) -> int:
         """Sample from which places are counted: where the signal is farthest from its median."""
-        away = np.abs(self.values - np.median(self.values))
-        if self.signal == "strain":  # the turning bending hides the hit: what is fast shows it
-            away = np.abs(np.diff(self.values, 2, prepend=self.values[:1], append=self.values[-1:]))
-        return int(away.argmax())
+        return int(np.abs(self.values - np.median(self.values)).argmax())
 
     def window(self, circumference: float) -> tuple[int, int, int]:
         """First sample, peak, and sample after the last one that are used."""

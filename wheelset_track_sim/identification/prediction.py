@@ -91,7 +91,7 @@ def predict(
 
     Examples
     --------
-    >>> found = identify(PeakReading(force=106e3), load_scenario("undamaged"), ["none"])
+    >>> found = identify(PeakReading(force=102e3), load_scenario("undamaged"), ["none"])
     >>> faster, = predict(found, speeds=[50.0], passages=2)
     >>> 98e3 < faster.force.estimate < 103e3  # N, without damage
     True

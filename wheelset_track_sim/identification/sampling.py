@@ -26,8 +26,8 @@ WIDER = 1.25
 """Factor on the standard deviations of the proposal."""
 RESAMPLED = 500
 """Draws that are handed on."""
-FEWEST = 8.0
-"""Effective draws below which Laplace's normal stands in for the weighted ones."""
+FEWEST = 3.0
+"""Effective draws for each unknown below which Laplace's normal stands in: fewer make too small a covariance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ def sample(problem: Problem, modes: Sequence[Optimum], seed: int, draws: int | N
     weights = np.exp(log_weights - logsumexp(log_weights))
     effective = float(1.0 / np.sum(weights**2)) if np.isfinite(weights).all() else 0.0
     random = np.random.default_rng(seed)
-    if effective < FEWEST:
+    if effective < FEWEST * len(columns):
         return Posterior(columns, folded.drawn(RESAMPLED, seed, wider=1.0), effective)
     mean = weights @ proposed
     away = proposed - mean

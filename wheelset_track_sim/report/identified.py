@@ -15,7 +15,6 @@ from .figures import COLOURS, new_figure, write_picture
 SIZES: dict[Signal, tuple[str, float]] = {
     "force": ("contact force (kN)", 1e3),
     "box": ("axle box acceleration (g)", 9.81),
-    "strain": ("strain (um/m)", 1e-6),
 }
 BAND = 1.645
 """Standard deviations of a 90 % band."""

@@ -66,10 +66,9 @@ def add(commands: Commands) -> None:
     identify.add_argument(
         "--signal",
         metavar="NAME",
-        help="force, axle_box_acceleration, or strain; of a bag, the topic strain/NAME (default: force, or by columns)",
+        help="force or axle_box_acceleration (default: force, or what the columns of a file hold)",
     )
     identify.add_argument("--wheel", choices=("wheel_1", "wheel_2"), help="damaged wheel (default: the larger peak)")
-    identify.add_argument("--gauge-y", action=Amount, unit="m", metavar="Y", help="axial place of a strain gauge")
     identify.add_argument(
         "--noise",
         type=float,
@@ -135,7 +134,6 @@ def _identify(options: argparse.Namespace) -> int:
         gain_error=options.gain_error,
         speed_error=options.speed_error,
         shape_error=options.shape_error,
-        place_y=options.gauge_y,
         reading=reading_of(options),
     )
     return run_identify(
