@@ -23,6 +23,8 @@ from wheelset_track_sim.simulation.passages import Passages
 
 ROOT = Path(__file__).resolve().parent.parent
 FLAGS = ["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+PINNED = "pin=kind%3Dworn_flat"
+"""A rounded flat beside the breakout: less force, more stress."""
 DEPTHS = [0.5 + 0.1 * number for number in range(15)]
 """Of the breakout, mm, each for one answer."""
 
@@ -41,8 +43,9 @@ def main() -> None:
         browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         scheme = "dark" if options.dark else "light"
         page = browser.new_page(viewport={"width": options.width, "height": 900}, color_scheme=scheme)
-        page.goto(address)
-        page.locator("html[data-moment]").wait_for(timeout=300_000)
+        page.goto(f"{address}?{PINNED}")
+        for sign in ("pinned", "fatigue"):
+            page.locator(f"html[data-{sign}]").wait_for(timeout=300_000)
         page.wait_for_timeout(500)
         page.screenshot(path=options.out, full_page=True)
         shown = [answer(page, depth) for depth in DEPTHS]

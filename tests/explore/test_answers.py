@@ -6,6 +6,8 @@ from collections import OrderedDict
 import numpy as np
 import pytest
 
+pytest.importorskip("bokeh", reason="the page needs the extra explore")
+
 from support.exploring import toy_explorer, unpacked
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.explore.answers import _kept

@@ -6,6 +6,8 @@ import re
 import numpy as np
 import pytest
 
+pytest.importorskip("bokeh", reason="the page needs the extra explore")
+
 from support.exploring import toy_explorer
 from wheelset_track_sim.errors import InputError
 from wheelset_track_sim.explore import background

@@ -102,6 +102,28 @@ def opened(browser, program):
     assert all(url.startswith("http://127.0.0.1:") for url in asked)
 
 
+@pytest.fixture(scope="module")
+def wide_page(browser, program):
+    """A page for tests that leave it as useful as they found it."""
+    context = browser.new_context(**WIDE)
+    complaints, page = [], context.new_page()
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(program[1] + "?rough=1")
+    page.locator("html[data-moment]").wait_for(timeout=120_000)
+    begin = page.evaluate("new URLSearchParams({...controls(), rough: 0}).toString()")
+    yield page, begin
+    context.close()
+    assert complaints == []
+
+
+@pytest.fixture
+def shared(wide_page):
+    """That page, at the scenario again."""
+    page, begin = wide_page
+    answered(page, lambda: page.evaluate("(query) => set(query)", begin))
+    return page
+
+
 def settle(page):
     """Let the page draw what it has to draw."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
@@ -149,8 +171,8 @@ def test_axe_finds_nothing(opened):
     assert [(each["id"], each["nodes"][0]["html"]) for each in found] == []
 
 
-def test_keys_change_the_damage_and_the_address_reproduces_it(opened):
-    page = opened(**WIDE)
+def test_keys_change_the_damage_and_the_address(shared):
+    page = shared
     assert page.evaluate("Math.max(...shown.arrays.force0)") == pytest.approx(291.16, abs=0.01)
     page.locator("#depth-slider").focus()
     assert page.locator("#depth-tip").is_visible()
@@ -162,12 +184,7 @@ def test_keys_change_the_damage_and_the_address_reproduces_it(opened):
     assert not page.locator("#depth").is_visible()
     answered(page, lambda: page.locator("#flat").fill("45.5"))
     assert page.locator("#flat-slider").input_value() in ("45", "46")
-    forces = page.evaluate(DATA, "force-curves")
-    query = page.evaluate("location.search")
-    assert "kind=flat&on=wheel_1&flat=45.5&" in query
-    again = opened(query, **WIDE)
-    assert again.evaluate(DATA, "force-curves") == forces
-    assert again.locator("#flat").input_value() == "45.5"
+    assert "kind=flat&on=wheel_1&flat=45.5&" in page.evaluate("location.search")
 
 
 def test_pins_stay_and_the_link_has_them(opened):
@@ -183,6 +200,8 @@ def test_pins_stay_and_the_link_has_them(opened):
     assert max(first["value"]) > max(second["value"]) + 30
     again = opened(page.evaluate("location.search"), **NARROW)
     again.locator("html[data-pinned='2']").wait_for()
+    assert again.evaluate(DATA, "force-curves") == page.evaluate(DATA, "force-curves")
+    assert again.locator("#depth").input_value() == "0.5"
     assert again.evaluate(DATA, "force-pin1") == second
     page.get_by_role("button", name="remove breakout 60 mm 48 mm 2 mm").press("Enter")
     page.locator("html[data-pinned='1']").wait_for()
@@ -196,7 +215,7 @@ def test_pins_stay_and_the_link_has_them(opened):
 def test_files_of_the_page(opened, tmp_path):
     page = opened("?depth=1.5", **WIDE)
     peak = page.evaluate("Math.max(...shown.arrays.force0)")
-    begins = {".yaml": b"name:", ".mcap": b"\x89MCAP", ".csv": b"", ".svg": b"<?xml", ".html": b"<!DOCTYPE html>"}
+    begins = {".yaml": b"name:", ".mcap": b"\x89MCAP", ".csv": b"", ".html": b"<!DOCTYPE html>"}
     for suffix, begin in begins.items():
         with page.expect_download(timeout=120_000) as download:
             page.locator(f"[data-suffix='{suffix}']").click()
@@ -209,8 +228,9 @@ def test_files_of_the_page(opened, tmp_path):
     assert "wheel_1 [N]" in (tmp_path / "damage_wheel_1_explored.csv").read_text().splitlines()[0]
 
 
-def test_every_control_says_what_it_is(opened):
-    page = opened("?rough=1", **NARROW)
+def test_every_control_says_what_it_is(shared):
+    page = shared
+    answered(page, lambda: page.locator("#rough").select_option("1"))
     for control in page.locator("#controls :is(input, select)").all():
         assert (
             control.get_attribute("aria-label") or page.locator(f"label[for='{control.get_attribute('id')}']").count()
@@ -221,8 +241,8 @@ def test_every_control_says_what_it_is(opened):
             assert f"{control.get_attribute('min')} to {control.get_attribute('max')}" in tip
 
 
-def test_the_mouse_and_the_keys_move_the_moment(opened):
-    page = opened(**WIDE)
+def test_the_mouse_and_the_keys_move_the_moment(shared):
+    page = shared
     words = page.locator("#pressure-words").text_content()
     assert re.match(r"wheel 1 at 0\.011 m: 291\.2 kN, up to 2\.62 GPa, contact 11 mm long and 25 mm wide", words)
     box = page.locator("#forces").bounding_box()
@@ -242,8 +262,8 @@ def test_the_mouse_and_the_keys_move_the_moment(opened):
     assert scale == pytest.approx(5, rel=0.01)  # as the page states
 
 
-def test_another_wheelset_says_that_it_computes_and_shows_its_nodes(opened):
-    page = opened(**WIDE)
+def test_another_wheelset_says_that_it_computes_and_shows_its_nodes(shared):
+    page = shared
     page.evaluate("window.said = []")
     page.evaluate(
         "new MutationObserver(() => said.push(by('status').textContent)).observe(by('status'), {childList: true})"
@@ -254,11 +274,12 @@ def test_another_wheelset_says_that_it_computes_and_shows_its_nodes(opened):
     assert page.locator("#nodes").text_content().split() == ["A1", "B1"]
 
 
-def test_the_verdict_fills_in_the_background(opened):
-    page = opened("?kind=worn_flat", **WIDE)
+def test_the_verdict_fills_in_the_background(shared):
+    page = shared
+    answered(page, lambda: page.locator("#kind").select_option("worn_flat"))
     page.locator(f"html[data-scatter='{page.evaluate('answered')}:12']").wait_for(timeout=60_000)
     assert re.match(r"Over 12 places on the bay: peak 1\d\d to \d+ kN", page.locator("#scatter").text_content())
-    page.locator("html[data-fatigue]").wait_for(timeout=120_000)
+    page.locator(f"html[data-fatigue='{page.evaluate('answered')}:']").wait_for(timeout=120_000)
     assert re.search(r"[5-8]\.\d+ times that without damage, at A1", page.locator("#fatigue").text_content())
     assert page.locator("#verdicts li.alarm").text_content().startswith("wheel 1: length of tread damage 120 mm")
     answered(page, lambda: page.locator("#limits").select_option("fra"))
@@ -273,7 +294,7 @@ def test_a_map_leads_to_its_cells_and_a_measurement_lies_beside_the_answer(opene
     assert "gain 1.020, correlation 0.998" in page.locator("#measured-words").text_content()
     force = page.evaluate(DATA, "force-measured")
     assert max(force["value"]) == pytest.approx(230.4, abs=0.1)
-    page.locator("html[data-map$=':81']").wait_for(timeout=120_000)
+    page.locator("html[data-map]").wait_for(timeout=120_000)
     assert [page.locator(f"#map-{side}").input_value() for side in "xy"] == ["place", "depth"]
     page.locator("#map").scroll_into_view_if_needed()
     box = page.evaluate("""() => { const { frame, el } = views.map, box = el.getBoundingClientRect()
@@ -283,8 +304,8 @@ def test_a_map_leads_to_its_cells_and_a_measurement_lies_beside_the_answer(opene
     assert "map=place:depth:stress" in page.evaluate("location.search")
 
 
-def test_what_cannot_be_is_one_line_and_the_page_goes_on(opened):
-    page = opened(**WIDE)
+def test_what_cannot_be_is_one_line_and_the_page_goes_on(shared):
+    page = shared
     page.locator("#speed").fill("999")
     page.locator("#status.refused").wait_for()
     assert page.locator("#status").text_content() == (
@@ -301,7 +322,7 @@ def memory(process):
 
 
 def test_many_quick_changes_and_pages_do_not_make_the_program_grow(opened, program, browser):
-    page, other = opened(**WIDE), opened("?kind=flat", **NARROW)
+    page, other = opened(**NARROW), opened("?kind=flat", **NARROW)
 
     def drag(page, name, values):
         page.evaluate(
@@ -315,10 +336,10 @@ def test_many_quick_changes_and_pages_do_not_make_the_program_grow(opened, progr
     answered(page, lambda: drag(page, "length", [50, 70]))
     answered(other, lambda: drag(other, "flat", [20, 45]))
     before = memory(program[0])
-    for turn in range(5):
+    for turn in range(3):
         answered(page, lambda: drag(page, "length", [*range(20, 120)]))
         answered(other, lambda turn=turn: drag(other, "flat", [20 + turn, 40 + turn]))
-    assert (page.locator("#length").input_value(), other.locator("#flat").input_value()) == ("119", "44")
+    assert (page.locator("#length").input_value(), other.locator("#flat").input_value()) == ("119", "42")
     assert "length=119" in page.evaluate("location.search")
     other.close()
     answered(page, lambda: drag(page, "length", [60]))

@@ -27,8 +27,8 @@ POINTS = 72
 """Points around the axle of which the worst one is shown: the range is within 0.1 %."""
 BEFORE = 0.9
 """Track before the place where angle 0 of the treads meets the rail, m; the rest of a turn is behind it."""
-KEPT_MODELS, KEPT_SURFACES = 3, 6
-"""Models, and surfaces to settle on, that are kept: the latest."""
+KEPT_MODELS, KEPT_SURFACES = 3, 2
+"""Models, and surfaces to settle on, that are kept: the latest. A surface has 16 runs of 12 MB, by speed and load."""
 SHOWN = 0.080
 """Track ahead of and behind the middle of the contact that is drawn, m."""
 
