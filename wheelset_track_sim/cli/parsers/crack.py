@@ -36,7 +36,7 @@ def add(commands: Commands) -> None:
     )
     completed(growth, lambda **_: shipped.names("cracks"))
     crack.add_argument(
-        "--depth", action=Amount, unit="m", required=True, metavar="DEPTH", help="of the crack, such as '2 mm'"
+        "--depth", action=Amount, unit="m", required=True, metavar="DEPTH", help="depth of the crack, such as '2 mm'"
     )
     crack.add_argument(
         "--inspections",

@@ -30,7 +30,7 @@ def add(commands: Commands) -> None:
         help="a file, or a name that list datasets prints; with --rebuild the folder of a data set",
     )
     completed(spec, lambda prefix, **_: [*shipped.names("datasets"), *map(str, Path().glob(f"{prefix}*"))])
-    dataset.add_argument("--samples", type=int, metavar="N", help="number of samples")
+    dataset.add_argument("--samples", type=int, metavar="N", help="number of samples; needed without --rebuild")
     dataset.add_argument("--seed", type=int, default=1, metavar="N", help="seed of all that is drawn (default: 1)")
     dataset.add_argument("--out", type=Path, metavar="DIR", help="folder of the data set, such as damage.zarr")
     dataset.add_argument(

@@ -84,7 +84,7 @@ def add(commands: Commands) -> None:
     mission = fatigue.add_argument(
         "--mission",
         metavar="MISSION",
-        help="speeds, loads and growing damage: a file, or a name of list missions",
+        help="speeds, loads and growing damage: a file, or a name that list missions prints",
     )
     completed(mission, lambda **_: shipped.names("missions"))
     criterion = fatigue.add_argument(

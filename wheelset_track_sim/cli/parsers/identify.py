@@ -55,7 +55,13 @@ def add(commands: Commands) -> None:
         metavar="SPEED",
         help="speed of the passage (default: that of a bag or scenario); repeat it for more files",
     )
-    identify.add_argument("--axle-load", action=Amount, unit="N", metavar="LOAD", help="load on both wheels together")
+    identify.add_argument(
+        "--axle-load",
+        action=Amount,
+        unit="N",
+        metavar="LOAD",
+        help="load on both wheels together (default: as for --speed); CSV files need both",
+    )
     identify.add_argument(
         "--kind",
         action="append",
@@ -73,7 +79,7 @@ def add(commands: Commands) -> None:
         "--noise",
         type=float,
         metavar="NUMBER",
-        help="standard deviation of a sample, SI (default: 2e3 N, 2 m/s^2, 2e-6)",
+        help="standard deviation of a sample, SI (default: 2e3 N, or 2 m/s^2)",
     )
     for name, what, default in (
         ("gain", "gain of the data", "3 %%"),
