@@ -1,10 +1,15 @@
 """``identify``: what it prints, writes and refuses."""
 
+import dataclasses
 import json
 
 import pytest
 
+from support.toy import toy_simulator
 from wheelset_track_sim.cli.command_line import main
+from wheelset_track_sim.cli.identify import Options, data_of
+from wheelset_track_sim.identification.files import Given
+from wheelset_track_sim.live.run_messages import record
 from wheelset_track_sim.scenario import load_scenario
 
 
@@ -42,3 +47,15 @@ def test_what_cannot_be_is_refused(arguments, message, capsys, tmp_path, monkeyp
     monkeypatch.chdir(tmp_path)
     assert main(["identify", *arguments]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_changes_are_those_of_the_scenario_of_a_bag(tmp_path):
+    run = toy_simulator("axle_load=170000", like="damage_wheel_1")
+    with record(tmp_path / "run.mcap", run) as push:
+        push(run.advance(4000))
+    options = Options(changes=["track.pad.stiffness=9e7"])
+    scenario, (observation,) = data_of([tmp_path / "run.mcap"], None, Given(), options)
+    own = run.scenario.track
+    assert scenario.track == dataclasses.replace(own, pad=dataclasses.replace(own.pad, stiffness=9e7))
+    assert (scenario.axle_load, observation.axle_load) == (170e3, 170e3)
+    assert scenario.irregularities == ()

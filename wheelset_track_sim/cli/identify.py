@@ -21,7 +21,7 @@ from ..inputs.amounts import in_unit
 from ..report.figures import check_picture
 from ..report.identified import draw_identification
 from ..runtime.output_files import require_folder, require_new
-from ..scenario import Scenario, load_scenario
+from ..scenario import Scenario, load_scenario, override, scenario_from, take_in
 from .console import print_object, terminal
 from .progress import shown
 
@@ -67,7 +67,7 @@ def run_identify(
         check_picture(options.picture)
     if bool(data) == (force is not None):
         raise InputError("give either files of data, or a peak by --force")
-    scenario, measured = _data(data, force, given, options)
+    scenario, measured = data_of(data, force, given, options)
     curve = load_curve(options.curve) if options.curve else None
     with shown() as progress:
         found = identify(
@@ -106,12 +106,12 @@ def run_identify(
     return 0 if explained else 1
 
 
-def _data(
+def data_of(
     paths: Sequence[Path], force: float | None, given: Given, options: Options
 ) -> tuple[Scenario, list[Observation] | PeakReading]:
-    """Scenario on which it is looked for, and the data."""
-    named = load_scenario(options.scenario or SCENARIO, options.changes)
+    """Scenario on which damage is looked for, and the data; raises InputError for what is missing or cannot be used."""
     if force is not None:
+        named = load_scenario(options.scenario or SCENARIO, options.changes)
         if len(options.speeds) > 1:
             raise InputError(f"--speed is given {len(options.speeds)} times for one peak: give it once")
         own = options.scenario is not None or bool(options.changes)
@@ -130,9 +130,13 @@ def _data(
         observation, scenario = read_observation(path, dataclasses.replace(given, speed=of_file))
         observations.append(observation)
         recorded = recorded or scenario
-    if recorded is not None and options.scenario is None and not options.changes:
-        named = dataclasses.replace(recorded, sensors=())
-    return _undamaged(named), observations
+    if recorded is None or options.scenario is not None:
+        return _undamaged(load_scenario(options.scenario or SCENARIO, options.changes)), observations
+    mapping = dataclasses.replace(recorded, sensors=()).to_mapping()
+    for change in options.changes:
+        override(mapping, change)
+    take_in(mapping)
+    return _undamaged(scenario_from(mapping)), observations
 
 
 def _undamaged(scenario: Scenario) -> Scenario:

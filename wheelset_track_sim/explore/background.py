@@ -37,7 +37,7 @@ CHUNK = 2778
 """Steps simulated at once."""
 CELLS = 9
 """Values along each side of a map."""
-QUANTITIES = {"force": "peak force (kN)", "stress": "stress amplitude (MPa)"}
+QUANTITIES = {"force": "peak force (kN)", "stress": "bending amplitude (MPa)"}
 """What a map shows of the damaged wheel, and of the worst stress node."""
 CURVE = "assumed_body"
 """S-N curve."""
@@ -58,7 +58,7 @@ def scatter(explorer: Explorer, answer: Answer) -> Iterator[Mapping[str, Any] | 
         amplitudes.append(float(found.amplitude.max()) / 1e6)
         words = (
             f"Over {number + 1} places on the bay: peak {min(peaks):.0f} to {max(peaks):.0f} kN, median "
-            f"{np.median(peaks):.0f}; stress amplitude {min(amplitudes):.1f} to {max(amplitudes):.1f} MPa"
+            f"{np.median(peaks):.0f}; bending amplitude {min(amplitudes):.1f} to {max(amplitudes):.1f} MPa"
         )
         for limit in limits.force if limits and number + 1 == PLACES else ():
             above = sum(1e3 * peak > limit.above for peak in peaks)

@@ -32,7 +32,7 @@ READOUTS = (
     ("wheel_1-peak", "peak, wheel 1", "Largest contact force of wheel 1 over one turn."),
     ("wheel_2-peak", "peak, wheel 2", "Largest contact force of wheel 2 over one turn."),
     ("loss", "contact lost", "Time without contact of the damaged wheel over one turn."),
-    ("amplitude", "stress amplitude", "Half the range of the axial stress of the worst point of the turning axle."),
+    ("amplitude", "bending amplitude", "Half the range of the axial stress of the worst point of the turning axle."),
 )
 
 
