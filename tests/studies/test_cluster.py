@@ -13,13 +13,14 @@ from wheelset_track_sim.cli import main
 EVALUATE = "wheelset_track_sim.studies.evaluate"
 
 
-@pytest.fixture
-def cluster(tmp_path):
-    """Address of a scheduler with two workers."""
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a scheduler with two workers, which the first test finds new."""
     distributed = pytest.importorskip("distributed")
-    contact = tmp_path / "scheduler.json"
+    folder = tmp_path_factory.mktemp("cluster")
+    contact = folder / "scheduler.json"
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
-    options: Any = {"stdout": subprocess.DEVNULL, "stderr": (tmp_path / "dask.log").open("w"), "env": environment}
+    options: Any = {"stdout": subprocess.DEVNULL, "stderr": (folder / "dask.log").open("w"), "env": environment}
     dask = [sys.executable, "-m", "dask"]
     processes = [
         subprocess.Popen(
