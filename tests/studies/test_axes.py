@@ -99,3 +99,8 @@ def test_numbers_that_look_like_another_unit_are_reported_where_they_are_given()
             dataclasses.replace(study, vary=vary)
     with pytest.warns(InputWarning, match=r"^--set axle_load = 22000 is taken as 22000 N .* looks like 22000 kg"):
         study.base(["axle_load=22000"])
+
+
+def test_a_label_that_yaml_reads_as_a_number_is_refused() -> None:
+    with pytest.raises(InputError, match=r"vary\.track has the label 540\.0, which YAML reads so: put it in quotes"):
+        read_axis("track", {540.0: {"track": "ballasted_54e1"}}, "vary.track")

@@ -82,6 +82,8 @@ def read_axis(name: str, data: Any, where: str) -> Axis:
         return Axis(name, (), meaning, si, read_distribution(data, si, where))
     if isinstance(data, Mapping) and data and all(isinstance(changes, Mapping) for changes in data.values()):
         for label, changes in data.items():
+            if not isinstance(label, str | int):
+                raise InputError(f"{where} has the label {label!r}, which YAML reads so: put it in quotes")
             for key, value in changes.items():
                 suspect(str(key), value, f"{where}.{label}.{key}")
         points = [
