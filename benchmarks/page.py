@@ -379,7 +379,7 @@ def wayside(r: Results) -> str:
     rows = [
         (
             run["detector"],
-            run["channels"],
+            int(run["channels"]),
             number(run["passage_s"], 3),
             number(run["new_speed_s"], 2),
             number(run["to_simulation"], 2),

@@ -46,6 +46,10 @@ def main() -> None:
         page.goto(f"{address}?{PINNED}")
         for sign in ("pinned", "fatigue"):
             page.locator(f"html[data-{sign}]").wait_for(timeout=300_000)
+        for depth in (1.9, 2.0):  # so that the time in the picture is that of a change
+            answer(page, depth)
+        page.locator(f"html[data-fatigue^='{page.evaluate('asked')}:']").wait_for(timeout=300_000)
+        page.evaluate("document.activeElement.blur()")  # its description covers the control below
         page.wait_for_timeout(500)
         page.screenshot(path=options.out, full_page=True)
         shown = [answer(page, depth) for depth in DEPTHS]
